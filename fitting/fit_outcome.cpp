@@ -52,15 +52,6 @@ std::string MethodName(FitMethod method) {
   return "";
 }
 
-Finding SuspectFinding(const std::string& code, double value, const std::string& message) {
-  Finding finding;
-  finding.code = code;
-  finding.value = value;
-  finding.message = message;
-  finding.action = FindingAction::kFlagged;
-  return finding;
-}
-
 /// Of a body whose size was measured from depth views.
 std::optional<Finding> SuspectSize(const FitResult& fit, const FittingOptions& options) {
   const bool height_given = options.point_clouds.height.has_value();
@@ -266,27 +257,27 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   outcome.findings = fit.findings;
   if (!fit.converged) {
     outcome.findings.push_back(
-        SuspectFinding("fit_not_converged", fit.iterations,
-                       "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
+        MakeFinding("fit_not_converged", Severity::kWarning, fit.iterations,
+                    "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {
-    outcome.findings.push_back(SuspectFinding("large_residual", Millimetres(fit.residual_rms),
-                                              "the RMS residual of the body exceeds 150 mm: check skeleton and unit"));
+    outcome.findings.push_back(MakeFinding("large_residual", Severity::kWarning, Millimetres(fit.residual_rms),
+                                           "the RMS residual of the body exceeds 150 mm: check skeleton and unit"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (fit.rejected_share > kMostRejected) {
-    outcome.findings.push_back(SuspectFinding(
-        "evidence_rejected", fit.rejected_share,
+    outcome.findings.push_back(MakeFinding(
+        "evidence_rejected", Severity::kWarning, fit.rejected_share,
         "more than 25 % of the evidence was rejected: it is far from the body of neighbouring frames. The residual "
         "excludes it. Check the skeleton, the order of the joints, and which person the clip shows"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (const double share = UnobservedShare(fit.motion); share > kMaxUnobservedShare) {
     outcome.findings.push_back(
-        SuspectFinding("mostly_unobserved", share,
-                       "no joint is observed in " + std::to_string(std::lround(100.0 * share)) +
-                           " % of the frames (limit: 30 %); exclude these frames, or train with the joints' states"));
+        MakeFinding("mostly_unobserved", Severity::kWarning, share,
+                    "no joint is observed in " + std::to_string(std::lround(100.0 * share)) +
+                        " % of the frames (limit: 30 %); exclude these frames, or train with the joints' states"));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (options.method != FitMethod::kNone && options.rules.on(FittingRule::kJointsBeyondLimits)) {

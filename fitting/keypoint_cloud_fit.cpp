@@ -31,15 +31,6 @@ constexpr double kMaxRotation = 0.25;      ///< rad; larger rotations are of two
 constexpr double kMinModalityGain = 0.08;  ///< of the loss; below, no finding
 constexpr double kMillimetres = 1e3;       ///< number of millimetres in a metre (numerical)
 
-Finding ModalityFinding(const char* code, double value, std::string message, FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.value = value;
-  finding.message = std::move(message);
-  finding.action = action;
-  return finding;
-}
-
 /// Views in which a person is detected in any frame.
 std::vector<const KeypointView*> ViewsWithPerson(const std::vector<KeypointView>& views) {
   std::vector<const KeypointView*> seeing;
@@ -193,28 +184,27 @@ ModalityVerdict JudgeModalities(const ModalityAlignment& alignment, double step_
   const bool late = gains && is_late(taken), moved = gains && is_moved(taken);
   if (moved && audit.moved != AuditAction::kOff) {
     verdict.move = audit.moved == AuditAction::kCorrect;
-    verdict.findings.push_back(ModalityFinding(kModalitiesApart, kMillimetres * taken.moved,
-                                               "the depth cameras as a whole are displaced by " + Mm(taken.moved) +
-                                                   " and " + RoundedText(kDegrees * taken.turned, 2) +
-                                                   " degrees against the keypoint cameras' world",
-                                               verdict.move ? FindingAction::kRepaired : FindingAction::kFlagged));
+    verdict.findings.push_back(MakeFinding(kModalitiesApart, Severity::kWarning, kMillimetres * taken.moved,
+                                           "the depth cameras as a whole are displaced by " + Mm(taken.moved) +
+                                               " and " + RoundedText(kDegrees * taken.turned, 2) +
+                                               " degrees against the keypoint cameras' world",
+                                           verdict.move ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   if (late && audit.clocks != AuditAction::kOff) {
     verdict.delay = audit.clocks == AuditAction::kCorrect;
-    verdict.findings.push_back(
-        ModalityFinding(kModalitiesClock, kMillimetres * taken.late_s,
-                        "the depth cameras' clock offset is " + RoundedText(kMillimetres * taken.late_s, 3) +
-                            " ms against the keypoint cameras (positive: images are stamped late)",
-                        verdict.delay ? FindingAction::kRepaired : FindingAction::kFlagged));
+    verdict.findings.push_back(MakeFinding(kModalitiesClock, Severity::kWarning, kMillimetres * taken.late_s,
+                                           "the depth cameras' clock offset is " +
+                                               RoundedText(kMillimetres * taken.late_s, 3) +
+                                               " ms against the keypoint cameras (positive: images are stamped late)",
+                                           verdict.delay ? FindingAction::kRepaired : FindingAction::kFlagged));
   }
   return verdict;
 }
 
 Expected<FitResult> KeypointsAlone(FitResult keypoints, const SkeletonPtr& skeleton, std::string why) {
   keypoints.motion = WithoutDetectorPoints(keypoints.motion, skeleton);
-  keypoints.findings.push_back(ModalityFinding(kModalityMissing, keypoints.motion.frame_count(),
-                                               std::move(why) + "; fitted to the keypoints alone",
-                                               FindingAction::kKept));
+  keypoints.findings.push_back(MakeFinding(kModalityMissing, Severity::kWarning, keypoints.motion.frame_count(),
+                                           std::move(why) + "; fitted to the keypoints alone", FindingAction::kKept));
   return keypoints;
 }
 
@@ -223,8 +213,8 @@ Expected<FitResult> CloudsAlone(const Clip& clip, const SkeletonPtr& skeleton, s
   bone_length.resize(bone_length.empty() ? 0 : skeleton->joints.size());
   Expected<FitResult> fit = FitClouds(clip, skeleton, bone_length, options);
   if (!fit) return fit;
-  fit->findings.push_back(ModalityFinding(kModalityMissing, fit->motion.frame_count(),
-                                          std::move(why) + "; fitted to the depth views alone", FindingAction::kKept));
+  fit->findings.push_back(MakeFinding(kModalityMissing, Severity::kWarning, fit->motion.frame_count(),
+                                      std::move(why) + "; fitted to the depth views alone", FindingAction::kKept));
   return fit;
 }
 

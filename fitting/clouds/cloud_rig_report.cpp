@@ -31,26 +31,16 @@ std::vector<Finding> FindingsOf(const DepthRigReport& report) {
   for (const RigFault& fault : report.faults) findings.push_back(FindingOf(fault));
   for (std::size_t v = 0; v < report.without_person.size(); ++v) {
     if (report.without_person[v] < kRarelySeen) continue;
-    Finding finding;
-    finding.code = "camera_without_person";
-    finding.severity = Severity::kWarning;
-    finding.value = report.without_person[v];
-    finding.message = "depth camera " + report.cameras[v] + " shows no person in " +
-                      RoundedText(100.0 * report.without_person[v], 3) +
-                      " % of the frames in which other cameras show one";
-    finding.message += "; these frames are fitted without it";
-    finding.action = FindingAction::kKept;
-    findings.push_back(std::move(finding));
+    findings.push_back(
+        MakeFinding("camera_without_person", Severity::kWarning, report.without_person[v],
+                    "depth camera " + report.cameras[v] + " shows no person in " +
+                        RoundedText(100.0 * report.without_person[v], 3) +
+                        " % of the frames in which other cameras show one; these frames are fitted without it",
+                    FindingAction::kKept));
   }
   if (report.not_audited.empty()) return findings;
-  Finding finding;
-  finding.code = "rig_not_audited";
-  finding.severity = Severity::kWarning;
-  finding.value = static_cast<double>(report.cameras.size());
-  finding.message = report.not_audited;
-  finding.message += "; the rig is used as given";
-  finding.action = FindingAction::kKept;
-  findings.push_back(std::move(finding));
+  findings.push_back(MakeFinding("rig_not_audited", Severity::kWarning, static_cast<double>(report.cameras.size()),
+                                 report.not_audited + "; the rig is used as given", FindingAction::kKept));
   return findings;
 }
 

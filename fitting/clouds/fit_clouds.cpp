@@ -163,15 +163,12 @@ void ReportUnobservedLimbs(const Shown& shown, FitResult& result) {
     }
   }
   if (unobserved == 0) return;
-  Finding finding;
-  finding.code = "limb_never_seen";
-  finding.value = unobserved;
-  finding.message = "the views almost never show " + names +
-                    " and the joints below: their pose is an assumption, their parent joints are uncertain, and the "
-                    "person may be taller than this body";
-  finding.message += "; inferred; set fitting.point_clouds.height and start.posture if known";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(finding);
+  result.findings.push_back(MakeFinding(
+      "limb_never_seen", Severity::kWarning, unobserved,
+      "the views almost never show " + names +
+          " and the joints below: their pose is an assumption, their parent joints are uncertain, and the "
+          "person may be taller than this body; inferred; set fitting.point_clouds.height and start.posture if known",
+      FindingAction::kKept));
 }
 
 /// Reports points that were classified as room, and points of the person far from the body.
@@ -189,52 +186,41 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
   }
   const auto report = [&](double points, double share, const char* code, const char* message, FindingAction action) {
     if (points <= share * all) return;
-    Finding finding;
-    finding.code = code;
-    finding.value = points / all;
-    finding.message = std::to_string(std::lround(100.0 * points / all)) + message;
-    finding.action = action;
-    result.findings.push_back(finding);
+    result.findings.push_back(MakeFinding(code, Severity::kWarning, points / all,
+                                          std::to_string(std::lround(100.0 * points / all)) + message, action));
   };
   report(room, kNotableRoom, "points_of_the_room", " % of the depth points are floor or separate from the person",
          FindingAction::kExcluded);
   report(far, kNotableFar, "points_off_the_body", " % of the person's points lie far from the fitted body",
          FindingAction::kFlagged);
   if (!options.height || far <= kContradictingShare * all) return;
-  Finding finding;
-  finding.code = "height_contradicted";
-  finding.severity = Severity::kError;
-  finding.value = *options.height;
-  finding.message = "a body of the given height, " + RoundedText(*options.height, 3) + " m, leaves " +
-                    std::to_string(std::lround(100.0 * far / all)) + " % of the person's points unexplained";
-  finding.message += "; flagged; check fitting.point_clouds.height, or remove it";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(finding);
+  result.findings.push_back(
+      MakeFinding("height_contradicted", Severity::kError, *options.height,
+                  "a body of the given height, " + RoundedText(*options.height, 3) + " m, leaves " +
+                      std::to_string(std::lround(100.0 * far / all)) +
+                      " % of the person's points unexplained; flagged; check fitting.point_clouds.height, or remove it",
+                  FindingAction::kKept));
 }
 
 /// A body of capsules looks much the same from the front and from the back.
 void ReportAmbiguous(const CloudTrack& track, FitResult& result) {
   if (!track.start.margin || *track.start.margin > kClearMargin) return;
-  Finding finding;
-  finding.code = "facing_ambiguous";
-  finding.value = *track.start.margin;
-  finding.message = "a first pose that faces another way explains the points almost as well: its cost is " +
-                    std::to_string(std::lround(100.0 * *track.start.margin)) + " % higher";
-  finding.message += "; the cheaper one is kept; set fitting.point_clouds.start.facing if known";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(finding);
+  result.findings.push_back(
+      MakeFinding("facing_ambiguous", Severity::kWarning, *track.start.margin,
+                  "a first pose that faces another way explains the points almost as well: its cost is " +
+                      std::to_string(std::lround(100.0 * *track.start.margin)) +
+                      " % higher; the cheaper one is kept; set fitting.point_clouds.start.facing if known",
+                  FindingAction::kKept));
 }
 
 void ReportContradiction(const CloudTrack& track, FitResult& result) {
   if (!track.start.off_facing) return;
-  Finding finding;
-  finding.code = "facing_contradicted";
-  finding.value = *track.start.off_facing;
-  finding.message = "every first pose that explains the points contradicts the given facing: the cheapest by " +
-                    std::to_string(std::lround(kDegrees * *track.start.off_facing)) + " degrees";
-  finding.message += "; the cheapest one is kept; check fitting.point_clouds.start.facing";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(finding);
+  result.findings.push_back(
+      MakeFinding("facing_contradicted", Severity::kWarning, *track.start.off_facing,
+                  "every first pose that explains the points contradicts the given facing: the cheapest by " +
+                      std::to_string(std::lround(kDegrees * *track.start.off_facing)) +
+                      " degrees; the cheapest one is kept; check fitting.point_clouds.start.facing",
+                  FindingAction::kKept));
 }
 
 }  // namespace

@@ -72,16 +72,13 @@ void ReportLowCoverage(const std::vector<double>& error, std::vector<Finding>& f
   std::copy_if(error.begin(), error.end(), std::back_inserter(large_errors),
                [](double of_frame) { return of_frame > kUnobservedError; });
   if (large_errors.empty()) return;
-  Finding finding;
-  finding.code = kLowCoverage;
-  finding.value = static_cast<double>(large_errors.size());
-  finding.message =
+  findings.push_back(MakeFinding(
+      kLowCoverage, Severity::kWarning, static_cast<double>(large_errors.size()),
       "in " + Counted(static_cast<long long>(large_errors.size()), "frame") +
-      " the views show only a part of the person, or a side that looks flat: the joint error there may be " +
-      std::to_string(std::lround(1e2 * MeanMedian(large_errors))) + " cm per axis";
-  finding.message += "; inferred; stated standard deviations, where computed, are widened";
-  finding.action = FindingAction::kKept;
-  findings.push_back(std::move(finding));
+          " the views show only a part of the person, or a side that looks flat: the joint error there may be " +
+          std::to_string(std::lround(1e2 * MeanMedian(large_errors))) +
+          " cm per axis; inferred; stated standard deviations, where computed, are widened",
+      FindingAction::kKept));
 }
 
 double ResidualOf(const std::vector<CloudMatch>& matches) {
@@ -102,17 +99,14 @@ void ReportPoorlyExplained(const std::vector<double>& residual, std::vector<Find
   std::vector<double> poor;
   std::copy_if(known.begin(), known.end(), std::back_inserter(poor), [&](double of_frame) { return of_frame > limit; });
   if (poor.empty()) return;
-  Finding finding;
-  finding.code = kPoorlyExplained;
-  finding.value = static_cast<double>(poor.size());
-  finding.message = "in " + Counted(static_cast<long long>(poor.size()), "frame") + " points lie " +
-                    std::to_string(std::lround(1e3 * MeanMedian(poor))) +
-                    " mm from the body, in the best quarter of the frames " +
-                    std::to_string(std::lround(1e3 * known[known.size() / 4])) +
-                    " mm: check that all views show the same person, and that no object touches them";
-  finding.message += "; kept; stated standard deviations, where computed, are widened";
-  finding.action = FindingAction::kKept;
-  findings.push_back(std::move(finding));
+  findings.push_back(MakeFinding(kPoorlyExplained, Severity::kWarning, static_cast<double>(poor.size()),
+                                 "in " + Counted(static_cast<long long>(poor.size()), "frame") + " points lie " +
+                                     std::to_string(std::lround(1e3 * MeanMedian(poor))) +
+                                     " mm from the body, in the best quarter of the frames " +
+                                     std::to_string(std::lround(1e3 * known[known.size() / 4])) +
+                                     " mm: check that all views show the same person, and that no object touches them; "
+                                     "kept; stated standard deviations, where computed, are widened",
+                                 FindingAction::kKept));
 }
 
 }  // namespace mocurate

@@ -236,30 +236,23 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
 void ReportDisagreement(const std::vector<double>& factor, FitResult& result) {
   const auto clear = std::count_if(factor.begin(), factor.end(), [](double f) { return f > kClear; });
   if (3 * clear < static_cast<std::ptrdiff_t>(factor.size())) return;
-  Finding finding;
-  finding.code = "modalities_disagree";
-  finding.value = static_cast<double>(clear);
-  finding.message =
-      std::to_string(clear) + " of " + std::to_string(factor.size()) +
-      " joints lie elsewhere in the depth views than in the other evidence, by more than both uncertainties explain";
-  finding.message += "; the fit follows the depth views there";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(std::move(finding));
+  result.findings.push_back(
+      MakeFinding("modalities_disagree", Severity::kWarning, static_cast<double>(clear),
+                  std::to_string(clear) + " of " + std::to_string(factor.size()) +
+                      " joints lie elsewhere in the depth views than in the other evidence, by more than both "
+                      "uncertainties explain; the fit follows the depth views there",
+                  FindingAction::kKept));
 }
 
 void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result) {
   const auto without =
       std::count_if(clouds.begin(), clouds.end(), [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; });
   if (without == 0) return;
-  Finding finding;
-  finding.code = "frames_without_depth";
-  finding.severity = Severity::kInfo;
-  finding.value = static_cast<double>(without);
-  finding.message = "too few depth points in " + std::to_string(without) + " of " +
-                    Counted(static_cast<long long>(clouds.size()), "frame");
-  finding.message += "; these frames are fitted to the other evidence alone";
-  finding.action = FindingAction::kKept;
-  result.findings.push_back(std::move(finding));
+  result.findings.push_back(MakeFinding("frames_without_depth", Severity::kInfo, static_cast<double>(without),
+                                        "too few depth points in " + std::to_string(without) + " of " +
+                                            Counted(static_cast<long long>(clouds.size()), "frame") +
+                                            "; these frames are fitted to the other evidence alone",
+                                        FindingAction::kKept));
 }
 
 /// Rotation errors of joint frames, about their axes, when bone lengths come from tracks. (J), rad^2

@@ -302,18 +302,14 @@ std::vector<Finding> FindImplausibleBody(const SkeletonTracks& tracks) { return 
 std::optional<Finding> CheckStature(double stature, double scale) {
   const bool of_people = IsOfPeople(stature);
   if (of_people && scale >= kChild) return {};
-  Finding finding;
-  finding.code = "size_suspect";
-  finding.severity = of_people ? Severity::kWarning : Severity::kError;
-  finding.value = stature;
-  finding.message = "the body fitted to the depth views is " + WordsOfSize(stature, scale);
-  finding.message +=
-      of_people ? ". If the person is an adult, a part of the body is probably never visible (behind a desk, outside "
-                  "the images), and all joints are wrong: set fitting.point_clouds.height to the person's height"
-                : ". Check for two people close together, for an object that hides or touches the person, and for a "
-                  "wrong unit of depths or calibration. ingest.source.mask_files excludes other people";
-  finding.action = FindingAction::kFlagged;
-  return finding;
+  return MakeFinding(
+      "size_suspect", of_people ? Severity::kWarning : Severity::kError, stature,
+      "the body fitted to the depth views is " + WordsOfSize(stature, scale) +
+          (of_people
+               ? ". If the person is an adult, a part of the body is probably never visible (behind a desk, outside "
+                 "the images), and all joints are wrong: set fitting.point_clouds.height to the person's height"
+               : ". Check for two people close together, for an object that hides or touches the person, and for a "
+                 "wrong unit of depths or calibration. ingest.source.mask_files excludes other people"));
 }
 
 std::vector<Finding> FindUnexplainedJoints(const SkeletonTracks& tracks, const JointPositions& joints) {

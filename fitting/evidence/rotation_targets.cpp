@@ -61,15 +61,11 @@ double Scatter(const std::vector<Quaterniond>& rotations, const Quaterniond& mid
 }
 
 Finding TooFew(int joints) {
-  Finding finding;
-  finding.code = "rotations_too_few";
-  finding.severity = Severity::kInfo;
-  finding.value = joints;
-  finding.message =
+  return MakeFinding(
+      "rotations_too_few", Severity::kInfo, joints,
       "rotations of " + Counted(joints, "joint") + " are recorded in fewer than " + std::to_string(kFewest) +
-      " frames: too few to estimate the offset between recorded and skeleton frames; the rotations are not used";
-  finding.action = FindingAction::kExcluded;
-  return finding;
+          " frames: too few to estimate the offset between recorded and skeleton frames; the rotations are not used",
+      FindingAction::kExcluded);
 }
 
 Finding Disagreement(const std::string& joint, double sigma) {

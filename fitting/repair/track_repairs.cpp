@@ -131,14 +131,10 @@ class Repairs {
   }
 
   void ReportMirroredBody(const BodyExchange& body) {
-    Finding finding;
-    finding.code = "sides_exchanged";
-    finding.severity = Severity::kError;
-    finding.value = body.confidence;
-    finding.message = "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
-                      "; correct the joint names or the axes in the source declaration";
-    finding.action = FindingAction::kFlagged;
-    result_.findings.push_back(std::move(finding));
+    result_.findings.push_back(
+        MakeFinding("sides_exchanged", Severity::kError, body.confidence,
+                    "left and right are exchanged throughout, or the axes are mirrored: " + body.evidence +
+                        "; correct the joint names or the axes in the source declaration"));
   }
 
   void ReportReversedBody(const LimbExchange& limb) {

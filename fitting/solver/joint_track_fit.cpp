@@ -149,14 +149,10 @@ void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejec
 }
 
 void ReportAssumedNoise(int frames, double sigma, FitResult& result) {
-  Finding finding;
-  finding.code = "noise_not_measured";
-  finding.value = 1e3 * sigma;
-  finding.message = Counted(frames, "frame") +
-                    " are too few to estimate the noise of the tracks: " + RoundedText(1e3 * sigma, 3) +
-                    " mm are assumed, which the stated uncertainty is based on";
-  finding.action = FindingAction::kFlagged;
-  result.findings.push_back(finding);
+  result.findings.push_back(MakeFinding(
+      "noise_not_measured", Severity::kWarning, 1e3 * sigma,
+      Counted(frames, "frame") + " are too few to estimate the noise of the tracks: " + RoundedText(1e3 * sigma, 3) +
+          " mm are assumed, which the stated uncertainty is based on"));
 }
 
 }  // namespace

@@ -13,16 +13,6 @@ constexpr double kSeldomShown = 0.5;    ///< share of a camera's frames without 
 constexpr double kNotableShare = 0.15;  ///< of a camera's keypoints excluded, and
 constexpr double kNotableRatio = 4.0;   ///< ratio to any other camera, that together give a warning
 
-Finding WarningOfCamera(const std::string& code, double value, const std::string& message, FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.severity = Severity::kWarning;
-  finding.value = value;
-  finding.message = message;
-  finding.action = action;
-  return finding;
-}
-
 std::string PercentOf(double share) { return std::to_string(std::lround(100.0 * share)); }
 
 }  // namespace
@@ -46,28 +36,27 @@ void ReportRigCameras(const KeypointReport& report, const std::vector<double>& u
     const CameraAgreement& camera = report.cameras[v];
     const std::string& name = report.camera_names[v];
     if (unseen[v] >= kSeldomShown) {
-      findings.push_back(WarningOfCamera("camera_without_person", unseen[v],
-                                         "camera " + name + " does not show the person in " + PercentOf(unseen[v]) +
-                                             " % of its frames" + "; the fit does not use it there",
-                                         FindingAction::kKept));
+      findings.push_back(MakeFinding("camera_without_person", Severity::kWarning, unseen[v],
+                                     "camera " + name + " does not show the person in " + PercentOf(unseen[v]) +
+                                         " % of its frames" + "; the fit does not use it there",
+                                     FindingAction::kKept));
     }
     const double share = camera.excluded_share();
     const double others = LargestExcludedShare(report.cameras, v);
     if (!camera.disagrees && report.cameras.size() > 2 && share > kNotableShare && share > kNotableRatio * others) {
-      findings.push_back(WarningOfCamera("camera_disagrees_in_part", share,
-                                         "camera " + name + " partly disagrees with the others: " + PercentOf(share) +
-                                             " % of its keypoints lie more than " + RoundedText(outlier, 3) +
-                                             " px off, of any other camera at most " + PercentOf(others) +
-                                             " %; check that it shows the same take and person throughout",
-                                         FindingAction::kExcluded));
+      findings.push_back(MakeFinding("camera_disagrees_in_part", Severity::kWarning, share,
+                                     "camera " + name + " partly disagrees with the others: " + PercentOf(share) +
+                                         " % of its keypoints lie more than " + RoundedText(outlier, 3) +
+                                         " px off, of any other camera at most " + PercentOf(others) +
+                                         " %; check that it shows the same take and person throughout",
+                                     FindingAction::kExcluded));
     }
     if (!camera.disagrees) continue;
-    findings.push_back(WarningOfCamera("camera_disagrees", camera.median_px,
-                                       "camera " + name + " disagrees with the others: " + PercentOf(share) +
-                                           " % of its keypoints lie more than " + RoundedText(outlier, 3) +
-                                           " px off, " + RoundedText(camera.median_px, 3) +
-                                           " px in the median; check its pose and clock",
-                                       FindingAction::kExcluded));
+    findings.push_back(MakeFinding("camera_disagrees", Severity::kWarning, camera.median_px,
+                                   "camera " + name + " disagrees with the others: " + PercentOf(share) +
+                                       " % of its keypoints lie more than " + RoundedText(outlier, 3) + " px off, " +
+                                       RoundedText(camera.median_px, 3) + " px in the median; check its pose and clock",
+                                   FindingAction::kExcluded));
   }
 }
 

@@ -42,17 +42,6 @@ Status CheckViews(const Evidence& evidence) {
                                             "give at least two views"));
 }
 
-Finding PointsFinding(const std::string& code, Severity severity, double value, const std::string& message,
-                      FindingAction action) {
-  Finding finding;
-  finding.code = code;
-  finding.severity = severity;
-  finding.value = value;
-  finding.message = message;
-  finding.action = action;
-  return finding;
-}
-
 long Percent(double share) { return std::lround(100.0 * share); }
 
 double Quantile(std::vector<double>& values, double share) {
@@ -65,11 +54,11 @@ double Quantile(std::vector<double>& values, double share) {
 void ReportPeople(const std::vector<RigView>& rig, const Association& take, std::int64_t subject,
                   std::vector<Finding>& findings) {
   if (take.people.size() > 1) {
-    findings.push_back(PointsFinding("other_people", Severity::kInfo, static_cast<double>(take.people.size()),
-                                     "views agree on " + Counted(static_cast<long long>(take.people.size()), "person") +
-                                         "; this clip is person number " + std::to_string(subject) +
-                                         " (ordered by presence)",
-                                     FindingAction::kKept));
+    findings.push_back(MakeFinding("other_people", Severity::kInfo, static_cast<double>(take.people.size()),
+                                   "views agree on " + Counted(static_cast<long long>(take.people.size()), "person") +
+                                       "; this clip is person number " + std::to_string(subject) +
+                                       " (ordered by presence)",
+                                   FindingAction::kKept));
   }
   std::string where;
   int excluded = 0;
@@ -80,9 +69,9 @@ void ReportPeople(const std::vector<RigView>& rig, const Association& take, std:
              std::to_string(take.entries[v]);
   }
   if (excluded == 0) return;
-  findings.push_back(PointsFinding("bystanders_skipped", Severity::kInfo, excluded,
-                                   "detections that no second view confirms (other people, false positives): " + where,
-                                   FindingAction::kExcluded));
+  findings.push_back(MakeFinding("bystanders_skipped", Severity::kInfo, excluded,
+                                 "detections that no second view confirms (other people, false positives): " + where,
+                                 FindingAction::kExcluded));
 }
 
 /// Reports that most views with a detection do not show this person.
@@ -100,10 +89,10 @@ void ReportRigContradiction(const std::vector<RigView>& rig, const AssociatedPer
   }
   if (rig.size() < 3 || agreeing > 0.5 * showing) return;
   found.report.suspect = true;
-  found.findings.push_back(PointsFinding("views_contradict", Severity::kWarning, agreeing,
-                                         "of " + RoundedText(showing, 2) + " views with a detection only " +
-                                             RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
-                                         FindingAction::kFlagged));
+  found.findings.push_back(MakeFinding("views_contradict", Severity::kWarning, agreeing,
+                                       "of " + RoundedText(showing, 2) + " views with a detection only " +
+                                           RoundedText(agreeing, 2) + " agree on this person (mean over the frames)",
+                                       FindingAction::kFlagged));
 }
 
 /// Share of the keypoints detected by three or more views, in which no two detections meet in a point.
@@ -126,10 +115,10 @@ void ReportContradictedPoints(double share, KeypointTracks& found) {
   if (share <= kContradicted) return;
   found.report.suspect = true;
   found.findings.push_back(
-      PointsFinding("keypoints_contradict", Severity::kWarning, share,
-                    "of the keypoints that three or more views detect, " + std::to_string(Percent(share)) +
-                        " % have no intersection: check that all cameras show the same take of the same person",
-                    FindingAction::kFlagged));
+      MakeFinding("keypoints_contradict", Severity::kWarning, share,
+                  "of the keypoints that three or more views detect, " + std::to_string(Percent(share)) +
+                      " % have no intersection: check that all cameras show the same take of the same person",
+                  FindingAction::kFlagged));
 }
 
 void ReportPoints(const TriangulatedTracks& points, KeypointTracks& found) {
@@ -141,16 +130,16 @@ void ReportPoints(const TriangulatedTracks& points, KeypointTracks& found) {
     never += (never.empty() ? "" : ", ") + report.keypoint_names[k];
   }
   if (!never.empty()) {
-    findings.push_back(PointsFinding("keypoints_never_found", Severity::kInfo, 0.0,
-                                     "not triangulated, as too few views agree: " + never + " (in nearly all frames)",
-                                     FindingAction::kInterpolated));
+    findings.push_back(MakeFinding("keypoints_never_found", Severity::kInfo, 0.0,
+                                   "not triangulated, as too few views agree: " + never + " (in nearly all frames)",
+                                   FindingAction::kInterpolated));
   }
   if (report.triangulated < kPoorPoints) {
     report.suspect = true;
     findings.push_back(
-        PointsFinding("few_points", Severity::kWarning, report.triangulated,
-                      "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are triangulated",
-                      FindingAction::kFlagged));
+        MakeFinding("few_points", Severity::kWarning, report.triangulated,
+                    "only " + std::to_string(Percent(report.triangulated)) + " % of the keypoints are triangulated",
+                    FindingAction::kFlagged));
   }
   std::vector<double> uneven;
   for (std::size_t i = 0; i < points.confidence.size(); ++i) {
@@ -161,12 +150,12 @@ void ReportPoints(const TriangulatedTracks& points, KeypointTracks& found) {
   const double ratio = MeanMedian(uneven);
   if (ratio <= kUnevenDepth) return;
   report.suspect = true;
-  findings.push_back(PointsFinding(
-      "views_close_together", Severity::kWarning, ratio,
-      "points are " + RoundedText(ratio, 3) +
-          " times as uncertain along their worst direction as along their best, because the views that see "
-          "them stand close together, or opposite each other",
-      FindingAction::kFlagged));
+  findings.push_back(
+      MakeFinding("views_close_together", Severity::kWarning, ratio,
+                  "points are " + RoundedText(ratio, 3) +
+                      " times as uncertain along their worst direction as along their best, because the views that see "
+                      "them stand close together, or opposite each other",
+                  FindingAction::kFlagged));
 }
 
 KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& rig, const Association& take,
@@ -264,10 +253,10 @@ Finding UsesRig(const RigFile& rig) {
     ambiguous += (ambiguous.empty() ? "" : ", ") + camera.camera.name;
     count += 1.0;
   }
-  return PointsFinding("rig_used", Severity::kInfo, count,
-                       "the views have the poses, clocks and files of an audited rig" +
-                           (ambiguous.empty() ? std::string() : "; " + ambiguous + " ambiguous"),
-                       FindingAction::kKept);
+  return MakeFinding("rig_used", Severity::kInfo, count,
+                     "the views have the poses, clocks and files of an audited rig" +
+                         (ambiguous.empty() ? std::string() : "; " + ambiguous + " ambiguous"),
+                     FindingAction::kKept);
 }
 
 /// Checks the triangulated person; corrects unit and order where options allow it, and triangulates again. Empty: no
@@ -402,8 +391,8 @@ Expected<KeypointTracks> Triangulated(const Evidence& evidence, const Skeleton& 
     found.report.suspect = found.report.suspect || contradicts || IsAmbiguous(faults[i]);
   }
   if (!audited.not_audited.empty()) {
-    found.findings.push_back(PointsFinding(kRigNotAudited, Severity::kInfo, static_cast<double>(rig.size()),
-                                           audited.not_audited, FindingAction::kKept));
+    found.findings.push_back(MakeFinding(kRigNotAudited, Severity::kInfo, static_cast<double>(rig.size()),
+                                         audited.not_audited, FindingAction::kKept));
   }
   found.report.faults = std::move(faults);
   found.report.rig = std::move(audited.estimate);
@@ -458,7 +447,7 @@ Expected<KeypointTracks> TriangulateKeypoints(const Evidence& evidence, const Sk
   found->report.place_covariance += of_rig;
   if (used) found->findings.push_back(*used);
   if (wrong) {
-    found->findings.push_back(PointsFinding(
+    found->findings.push_back(MakeFinding(
         kRigNotAudited, Severity::kInfo, static_cast<double>(as_seen.keypoint_views.size()),
         "clocks, poses and sides of cameras were not audited, because the files were exchanged", FindingAction::kKept));
   }
