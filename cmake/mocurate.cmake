@@ -127,12 +127,13 @@ function(mocurate_suites result)
   set(${result} ${suites} PARENT_SCOPE)
 endfunction()
 
-# mocurate_test(NAME LIBRARIES ... [WHOLE | SUITES | TOGETHER suites] [SLOW suites]): one executable test_NAME from
-# tests/NAME/*.cpp and the folders of subjects in it. Each case is a CTest test. With WHOLE the executable is one CTest
-# test, with SUITES each suite is (programs whose start-up is slow); so are suites of TOGETHER, whose cases share what
-# takes long to make. CTest's labels: slow (SLOW, TOGETHER, WHOLE), data (reads recorded data or goldens), else unit.
+# mocurate_test(NAME LIBRARIES ... [WHOLE] [SLOW suites]): one executable test_NAME from tests/NAME/*.cpp and the folders
+# of subjects in it. A CTest test is one process, as starting programs 2,000 times took a tenth of the time of all tests:
+# it runs all suites of one label (base.unit, base.data), which share what they make. Suites of SLOW are tests of their
+# own, the longest first; with WHOLE the executable is one test. Labels: slow (SLOW, WHOLE), data (reads recorded data or
+# goldens), else unit. TIMEOUT: of each test, seconds (900).
 function(mocurate_test name)
-  cmake_parse_arguments(arg "WHOLE;SUITES" "TIMEOUT" "LIBRARIES;TOGETHER;SLOW" ${ARGN})
+  cmake_parse_arguments(arg "WHOLE" "TIMEOUT" "LIBRARIES;SLOW" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp
                                       ${PROJECT_SOURCE_DIR}/tests/${name}/*/*_test.cpp)
   if(NOT sources)
@@ -149,47 +150,41 @@ function(mocurate_test name)
     target_precompile_headers(test_${name} REUSE_FROM mocurate_test_headers)
   endif()
   if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 300)
+    set(arg_TIMEOUT 900)
   endif()
-  # One process for several cases: a failure fails it, a skip is only reported without a failure.
-  set(whole ${PROJECT_SOURCE_DIR}/cmake/run_whole.sh $<TARGET_FILE:test_${name}> --gtest_brief=1)
   if(arg_WHOLE)
-    add_test(NAME ${name} COMMAND ${whole})
-    set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} SKIP_RETURN_CODE 77 LABELS slow COST 100)
+    mocurate_add_test(test_${name} ${name} slow 100 ${arg_TIMEOUT} "*")
     return()
   endif()
-  set(cost_slow 100)  # CTest starts costly tests first, so that the last one to end is a short one
-  set(cost_data 10)
-  set(cost_unit 1)
+  # CTest starts costly tests first, so that the last one to end is a short one.
+  set(cost 100)
+  set(slow "")
+  set(data "")
   mocurate_suites(suites ${sources})
+  foreach(suite ${arg_SLOW})
+    if(NOT suite IN_LIST suites)
+      message(FATAL_ERROR "test_${name} has no suite ${suite}")
+    endif()
+    mocurate_add_test(test_${name} ${name}.${suite} slow ${cost} ${arg_TIMEOUT} "${suite}.*:*/${suite}.*")
+    math(EXPR cost "${cost} - 5")
+    string(APPEND slow "${suite}.*:*/${suite}.*:")
+  endforeach()
   mocurate_suites(data_suites DATA ${sources})
-  math(EXPR together_timeout "3 * ${arg_TIMEOUT}")
-  foreach(suite ${suites})
-    set(label unit)
-    if(suite IN_LIST arg_SLOW OR suite IN_LIST arg_TOGETHER)
-      set(label slow)
-    elseif(suite IN_LIST data_suites)
-      set(label data)
-    endif()
-    if(NOT label STREQUAL "unit")
-      string(APPEND not_unit "${suite}.*:*/${suite}.*:")
-    endif()
-    if(arg_SUITES OR suite IN_LIST arg_TOGETHER)
-      add_test(NAME ${name}.${suite} COMMAND ${whole} --gtest_filter=${suite}.*:*/${suite}.*)
-      set_tests_properties(${name}.${suite} PROPERTIES TIMEOUT ${together_timeout} SKIP_RETURN_CODE 77 LABELS ${label}
-                                                       COST ${cost_${label}})
-    else()
-      string(APPEND cases_${label} "${suite}.*:*/${suite}.*:")
-    endif()
-  endforeach()
-  if(NOT arg_SUITES)  # with the cases that mocurate_suites does not find, such as those of a macro
-    set(cases_unit "-${not_unit}")
+  list(REMOVE_ITEM data_suites "" ${arg_SLOW})
+  if(data_suites)
+    foreach(suite ${data_suites})
+      string(APPEND data "${suite}.*:*/${suite}.*:")
+    endforeach()
+    mocurate_add_test(test_${name} ${name}.data data 50 ${arg_TIMEOUT} "${data}")
   endif()
-  include(GoogleTest)
-  foreach(label unit data slow)
-    if(cases_${label})
-      gtest_discover_tests(test_${name} TEST_PREFIX "${name}." TEST_FILTER "${cases_${label}}" TEST_LIST ${name}_${label}
-        PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS ${label} COST ${cost_${label}} DISCOVERY_TIMEOUT 60)
-    endif()
-  endforeach()
+  # Also the cases that mocurate_suites does not find, such as those of a macro.
+  mocurate_add_test(test_${name} ${name}.unit unit 60 ${arg_TIMEOUT} "*-${slow}${data}")
+endfunction()
+
+# The CTest test TEST: the cases of a filter, in one process of TARGET. It fails when one fails, and is reported as
+# skipped when one is skipped and none fails.
+function(mocurate_add_test target test label cost timeout filter)
+  add_test(NAME ${test} COMMAND ${PROJECT_SOURCE_DIR}/cmake/run_whole.sh $<TARGET_FILE:${target}>
+    --gtest_filter=${filter})
+  set_tests_properties(${test} PROPERTIES TIMEOUT ${timeout} SKIP_RETURN_CODE 77 LABELS ${label} COST ${cost})
 endfunction()
