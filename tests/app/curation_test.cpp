@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
+using program::SharedCache;
 using program::SmallJob;
 using program::WriteText;
 using ::testing::HasSubstr;
@@ -26,16 +27,10 @@ constexpr int kRowsPerFrame = 20;
 /// A folder of captures with one clip of three frames, one empty file and one file that is no capture.
 class Curated : public ::testing::Test {
  protected:
-  /// One for all cases: what they share is made once where one process runs them.
-  static std::string Cache() {
-    static const ScratchFolder cache;
-    return cache.path().native();
-  }
-
   void SetUp() override {
     std::vector<std::string> first = SmallJob(folder_, "first");
     std::replace(first.begin(), first.end(), std::string("assemble"), std::string("ingest"));
-    ASSERT_EQ(RunProgram(folder_, first, Cache()).exit_code, 0);
+    ASSERT_EQ(RunProgram(folder_, first, SharedCache()).exit_code, 0);
     capture_ = folder_ / "capture";
     fs::copy(folder_ / "first/capture", capture_);
     std::vector<fs::path> files;
@@ -61,7 +56,7 @@ class Curated : public ::testing::Test {
     const auto to = std::find(arguments.begin(), arguments.end(), "--to");
     if (std::find(more.begin(), more.end(), "--to") != more.end()) arguments.erase(to, to + 2);
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunProgram(folder_, arguments, Cache());
+    return RunProgram(folder_, arguments, SharedCache());
   }
 
   /// The line of the curation log whose clip holds `name`.

@@ -105,6 +105,12 @@ inline Result RunProgram(const ScratchFolder& folder, const std::vector<std::str
   return Started(folder, arguments, surroundings).Wait();
 }
 
+/// One cache for all cases of a process: what they share is made once.
+inline std::string SharedCache() {
+  static const ScratchFolder cache;
+  return cache.path().native();
+}
+
 /// A small synthetic job up to the dataset: a few clips, seconds.
 inline std::vector<std::string> SmallJob(const ScratchFolder& folder, const std::string& output,
                                          const std::string& jobs = "2") {

@@ -47,10 +47,8 @@ std::vector<std::string> TrainingJob(const ScratchFolder& folder, const std::vec
   return arguments;
 }
 
-/// One cache for all runs here: what they share is made once where one process runs them.
 Result TrainingProgram(const ScratchFolder& folder, const std::vector<std::string>& arguments) {
-  static const ScratchFolder cache;
-  return RunProgram(folder, arguments, cache.path().native());
+  return RunProgram(folder, arguments, program::SharedCache());
 }
 
 int StagesNamed(const nlohmann::json& document, const std::string& name) {
