@@ -148,7 +148,7 @@ TEST(BadInput, ABvhWithNanNamesLineFrameAndChannelInARunAndInInspect) {
 
 TEST(BadInput, AStoreWithOneFieldCorruptedIsAnErrorThatNamesTheField) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r"), program::SharedCache()).exit_code, 0);
   const std::string bytes = ReadText(folder / "r/dataset.h5");
   std::string label = bytes;
   label.replace(label.find("clap"), 4, "Xlap");

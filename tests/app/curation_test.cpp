@@ -240,7 +240,7 @@ TEST(Capture, WithoutNoiseEveryFitConverges) {
 
 TEST(Capture, FilesOfOthersInTheFolderOfARunStayAndAreNotRead) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm"), SharedCache()).exit_code, 0);
   WriteText(folder / "r/capture/wave_p01_r9.txt", "mine");
   const Result result = RunProgram(folder, SmallJob(folder, "r"));
   EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -73,12 +73,12 @@ TEST(Documents, AWholeRunAndVerbsThatInspectIt) {
 TEST(Documents, ARunWithABadClipIsOneDocumentWithExitCode1) {
   const ScratchFolder folder;
   std::vector<std::string> job = SmallJob(folder, "r");
-  ASSERT_EQ(RunProgram(folder, job).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, job, program::SharedCache()).exit_code, 0);
   fs::copy(folder / "r/capture", folder / "capture");
   WriteText(folder / "capture/clap_p01_r01.txt", "");
   job.insert(job.end(), {"--json", "--set", "ingest.synthetic.enabled=false", "--set",
                          "ingest.path=" + (folder / "capture").string()});
-  const Result result = RunProgram(folder, job);
+  const Result result = RunProgram(folder, job, program::SharedCache());
   EXPECT_EQ(ExpectDocument(result, 1)["failed"], 1);
   EXPECT_THAT(result.err, HasSubstr("clap_p01_r01.txt"));
 }
@@ -88,7 +88,7 @@ TEST(Quiet, PrintsOnlyErrorsOfEveryVerb) {
   std::vector<std::string> job = SmallJob(folder, "r");
   const auto quiet = [&](std::vector<std::string> arguments) {
     arguments.emplace_back("-q");
-    return RunProgram(folder, arguments);
+    return RunProgram(folder, arguments, program::SharedCache());
   };
   const std::string capture = folder / "r/capture", dataset = folder / "r/dataset.h5";
   for (const std::vector<std::string>& arguments : {job,

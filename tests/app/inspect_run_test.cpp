@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using program::Result;
 using program::RunProgram;
+using program::SharedCache;
 using program::SmallJob;
 using program::WriteText;
 using ::testing::HasSubstr;
@@ -30,7 +31,7 @@ std::vector<std::string> Failing(const ScratchFolder& folder) {
 
 TEST(InspectRun, AFailedLaterRunHasNoResultsOfTheEarlierOne) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   const std::string run = (folder / "runs/a").string();
   const std::string whole = RunProgram(folder, {"inspect", run}).out;
   EXPECT_THAT(whole, HasSubstr("15 clips, 15 kept"));
@@ -51,7 +52,7 @@ TEST(InspectRun, AFailedLaterRunHasNoResultsOfTheEarlierOne) {
 
 TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   const fs::path run = folder / "runs/a";
   nlohmann::json record = nlohmann::json::parse(program::ReadText(run / "run.json"));
   for (const char* key : {"ended", "stale"}) record.erase(key);
@@ -65,7 +66,7 @@ TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
 
 TEST(InspectRun, CountsDecisionsAndOutcomesOfTheLog) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   const fs::path run = folder / "runs/a";
   const std::string text = *ReadFile(run / "curation_log.jsonl");
   std::string changed;
@@ -86,7 +87,7 @@ TEST(InspectRun, CountsDecisionsAndOutcomesOfTheLog) {
 
 TEST(InspectRun, ARemovedResultIsReportedAsMissing) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   fs::remove(folder / "runs/a/dataset.h5");
   const std::string run = (folder / "runs/a").string();
   EXPECT_THAT(RunProgram(folder, {"inspect", run}).out, HasSubstr("dataset.h5: written by this run and removed since"));
@@ -95,7 +96,7 @@ TEST(InspectRun, ARemovedResultIsReportedAsMissing) {
 
 TEST(InspectRun, AFolderOfRunsNamesThemAndTheirFilesAreKnown) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   fs::copy(folder / "runs/a", folder / "runs/b", fs::copy_options::recursive);
   const Result runs = RunProgram(folder, {"inspect", (folder / "runs").string()});
   EXPECT_EQ(runs.exit_code, 0) << runs.err;

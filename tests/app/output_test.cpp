@@ -46,7 +46,7 @@ void ExpectEndAndContinuation(const ScratchFolder& folder, TightDisk& disk, cons
   const Result roomy = RunProgram(folder, JsonJob(folder, run), Surroundings{cache, disk.Limit()});
   ASSERT_EQ(roomy.exit_code, 0) << roomy.err;
   EXPECT_GT(FromCache(roomy.Json()), 0);
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm"), "calm_cache").exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "calm"), program::SharedCache()).exit_code, 0);
   EXPECT_TRUE(ReadText(folder / "calm/dataset.h5") == ReadText(folder / (run + "/dataset.h5")));
 }
 

@@ -174,7 +174,7 @@ TEST(Reproduce, UnknownItemsAndBudgetsAreRefusedWithTheRemedy) {
 
 TEST(Draw, PicturesAndVideosAreWrittenAndNothingElseIsOverwritten) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, program::SmallJob(folder, "r"), program::SharedCache()).exit_code, 0);
   const std::string set = (folder / "r/dataset.h5").string();
   for (const char* name : {"a.svg", "a.png", "a.mp4"}) {
     const std::vector<std::string> draw = {"draw", "Real=" + set, "--label", "kick", "-o", (folder / name).string()};

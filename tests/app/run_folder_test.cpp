@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using program::ReadText;
 using program::Result;
 using program::RunProgram;
+using program::SharedCache;
 using program::SmallJob;
 using program::Surroundings;
 using program::WriteText;
@@ -89,14 +90,14 @@ nlohmann::json StaleOf(const fs::path& run) { return nlohmann::json::parse(ReadT
 
 TEST(RunFolder, LaterStagesStayAndAreStaleUntilTheyAreMadeAgain) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r"), SharedCache()).exit_code, 0);
   EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array());
   const std::string dataset = ReadText(folder / "r/dataset.h5");
   std::vector<std::string> changed = IngestOnly(folder, "r");
   changed.insert(changed.end(), {"--set", "canon.facing.anchor=last"});
   const nlohmann::json stale = nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}});
   for (int i = 0; i < 2; ++i) {
-    const Result shorter = RunProgram(folder, changed);
+    const Result shorter = RunProgram(folder, changed, SharedCache());
     ASSERT_EQ(shorter.exit_code, 0) << shorter.err;
     EXPECT_THAT(shorter.err, HasSubstr("dataset.h5 (assemble)"));
     EXPECT_EQ(ReadText(folder / "r/dataset.h5"), dataset);
@@ -106,7 +107,7 @@ TEST(RunFolder, LaterStagesStayAndAreStaleUntilTheyAreMadeAgain) {
   EXPECT_EQ(json["stale"], stale);
   EXPECT_EQ(json["files"], nlohmann::json({"curation_log.jsonl"}));
   EXPECT_THAT(RunProgram(folder, {"inspect", (folder / "r").string()}).out, HasSubstr("dataset.h5 (assemble)"));
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r"), SharedCache()).exit_code, 0);
   EXPECT_EQ(StaleOf(folder / "r"), nlohmann::json::array());
   EXPECT_EQ(ReadText(folder / "r/dataset.h5"), dataset);
 }
@@ -118,7 +119,7 @@ TEST(RunFolder, AFolderOfAnotherJobOrConfigurationFileIsRefusedUnlessReplaced) {
     std::vector<std::string> arguments = whole ? SmallJob(folder, "r") : IngestOnly(folder, "r");
     if (!config.empty()) arguments.insert(arguments.begin() + 1, config);
     arguments.insert(arguments.end(), more.begin(), more.end());
-    Surroundings there;
+    Surroundings there{SharedCache()};
     there.before_start = [&folder] {
       if (chdir(folder.path().c_str()) != 0) _exit(1);
     };
@@ -156,7 +157,7 @@ TEST(RunFolder, AFolderOfAnotherJobOrConfigurationFileIsRefusedUnlessReplaced) {
 /// A run folder of somebody else, in which a name of an output is a link.
 TEST(RunFolder, NothingIsWrittenThroughALinkInIt) {
   const ScratchFolder folder;
-  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "sent")).exit_code, 0);
+  ASSERT_EQ(RunProgram(folder, SmallJob(folder, "sent"), SharedCache()).exit_code, 0);
   WriteText(folder / "outside/victim", "old");
   const auto before = FilesOf(folder / "outside");
   const std::string run = (folder / "r").string();

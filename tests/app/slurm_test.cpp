@@ -82,7 +82,7 @@ class SlurmRuns : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new ScratchFolder;
-    ASSERT_EQ(RunProgram(*folder_, SmallJob(*folder_, "made")).exit_code, 0);
+    ASSERT_EQ(RunProgram(*folder_, SmallJob(*folder_, "made"), program::SharedCache()).exit_code, 0);
     fs::copy(*folder_ / "made/capture", *folder_ / "capture");
     plain_ = RunProgram(*folder_, Arguments("plain"), "plain_cache");
     ASSERT_EQ(plain_.exit_code, 0) << plain_.err;

@@ -98,7 +98,7 @@ TEST(Progress, IsDrawnOnATerminalUnlessQuiet) {
 
 TEST(Progress, IsOneLineAStageInAPipe) {
   const ScratchFolder folder;
-  const Result piped = RunProgram(folder, SmallJob(folder, "r"));
+  const Result piped = RunProgram(folder, SmallJob(folder, "r"), program::SharedCache());
   EXPECT_EQ(piped.exit_code, 0);
   EXPECT_THAT(piped.err, Not(HasSubstr("\r")));
   EXPECT_THAT(piped.err, Not(HasSubstr("\x1b")));
@@ -131,7 +131,7 @@ TEST(Locale, ADecimalCommaChangesNoByteAndNoNumber) {
   const ScratchFolder folder;
   Surroundings comma = CommaLocale(folder);
   const std::vector<std::string> rate = {"--json", "--set", "canon.trim.margin=0.25 s"};
-  const Result point = RunProgram(folder, With(SmallJob(folder, "point"), rate));
+  const Result point = RunProgram(folder, With(SmallJob(folder, "point"), rate), program::SharedCache());
   ASSERT_EQ(point.exit_code, 0) << point.err;
   comma.cache = "comma_cache";
   const Result german = RunProgram(folder, With(SmallJob(folder, "comma"), rate), comma);
@@ -152,7 +152,7 @@ TEST(Locale, ADecimalCommaChangesNoByteAndNoNumber) {
 
 TEST(FileNames, MayHoldBytesThatAreNotUtf8UnderThePlainLocale) {
   const ScratchFolder folder;
-  Surroundings plain;
+  Surroundings plain{program::SharedCache()};
   plain.before_start = [] { setenv("LC_ALL", "C", 1); };
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "r"), plain).exit_code, 0);
   fs::copy(folder / "r/capture", folder / "odd c\xe4pture");
