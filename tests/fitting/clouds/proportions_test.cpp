@@ -86,7 +86,7 @@ TEST_F(DepthProportions, UseTheReadableClipsAndReportTheOthers) {
 }
 
 TEST_F(DepthProportions, OfNoPersonAreRefused) {
-  StageRequest request = Request("proportions", "p1", clips_);
+  StageRequest request = Request("proportions", "p1", {clips_[0]});
   request.options["point_clouds"]["tallest"] = 1.2;
   const auto refused = ProportionsStage(request);
   ASSERT_FALSE(refused);
@@ -95,7 +95,7 @@ TEST_F(DepthProportions, OfNoPersonAreRefused) {
 }
 
 TEST_F(DepthProportions, FollowTheDeclaredHeight) {
-  StageRequest request = Request("proportions", "p1", clips_);
+  StageRequest request = Request("proportions", "p1", {clips_[0]});
   request.options["point_clouds"]["height"] = 1.2;
   const auto low = ProportionsStage(request);
   request.options["point_clouds"]["height"] = 1.8;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_tracking.h"
@@ -70,14 +71,35 @@ class StudioClouds : public ::testing::Test {
     return MeasurePosedBody(clips_, motions, person.scale, skeleton_, options_);
   }
 
-  Expected<FitResult> FitTracks(const CloudTake& take) {
+  /// A take fitted to its tracks; made once.
+  static const Expected<FitResult>& FitOfTracks(std::size_t take) {
+    static std::map<std::size_t, Expected<FitResult>> fits;
+    const auto known = fits.find(take);
+    if (known != fits.end()) return known->second;
     JointTrackOptions options;
     options.solver = TrackSolver::kBanded;
     options.poses = true;
     static const Expected<BodyFromClouds> body = BodyOfBothModalities(options);
-    if (!body) return Forward(body);
-    return RepairAndFit(OnBody(take.clip.tracks, body->skeleton), take.clip.truth.rate, body->bone_length,
-                        RepairOptions{}, options);
+    if (!body) return fits.emplace(take, Forward(body)).first->second;
+    const StudioClip& clip = (*takes_)[take].clip;
+    return fits
+        .emplace(take, RepairAndFit(OnBody(clip.tracks, body->skeleton), clip.truth.rate, body->bone_length,
+                                    RepairOptions{}, options))
+        .first->second;
+  }
+
+  static PointCloudOptions WithReportedFacing(std::size_t take) {
+    PointCloudOptions options = options_;
+    options.start.facing = (*takes_)[take].reported_heading;
+    return options;
+  }
+
+  /// A take fitted to its clouds from the reported facing; made once.
+  static const Expected<FitResult>& FitOfClouds(std::size_t take) {
+    static std::map<std::size_t, Expected<FitResult>> fits;
+    const auto known = fits.find(take);
+    if (known != fits.end()) return known->second;
+    return fits.emplace(take, FitClouds(clips_[take], person_, bones_, WithReportedFacing(take))).first->second;
   }
 
   static std::vector<CloudTake>* takes_;
@@ -98,9 +120,7 @@ PointCloudOptions StudioClouds::options_;
 TEST_F(StudioClouds, FindsASeatedPersonFromTheFacingAlone) {
   const CloudTake& take = (*takes_)[kSitting];
   ASSERT_TRUE(take.seated);
-  PointCloudOptions options = options_;
-  options.start.facing = take.reported_heading;
-  const auto fit = FitClouds(clips_[kSitting], person_, bones_, options);
+  const auto& fit = FitOfClouds(kSitting);
   ASSERT_TRUE(fit) << fit.error().Message();
   EXPECT_LT(Score(*fit, take).joint_mm(), 20.0);
 }
@@ -162,8 +182,7 @@ TEST_F(StudioClouds, UsesTheReportedFacing) {
   const auto wrong = FitClouds(clips_[0], person_, bones_, options);
   ASSERT_TRUE(wrong) << wrong.error().Message();
   EXPECT_GT(std::abs(std::remainder(HeadingOf(wrong->motion, 0) - take.heading, 2.0 * kHalfTurn)), 1.5);
-  options.start.facing = take.reported_heading;
-  const auto right = FitClouds(clips_[0], person_, bones_, options);
+  const auto& right = FitOfClouds(0);
   ASSERT_TRUE(right) << right.error().Message();
   EXPECT_LT(Score(*right, take).joint_mm(), 14.0);
 }
@@ -178,10 +197,8 @@ TEST_F(StudioClouds, OneSideIsLessCertainAndAFlatOneHasLowCoverage) {
     return std::sqrt(6.0 * variance / static_cast<double>(motion.position_cov.size()));
   };
   const auto fit_of = [&](std::vector<FusedCloud> clouds) {
-    PointCloudOptions options = options_;
-    options.start.facing = (*takes_)[0].reported_heading;
     return FitFusedClouds(std::move(clouds), {clip.rate, clip.evidence.depth_views[0].time_s}, person_, bones_,
-                          options);
+                          WithReportedFacing(0));
   };
   const auto is_low_coverage = [](const FitResult& fit) {
     return std::any_of(fit.findings.begin(), fit.findings.end(),
@@ -279,9 +296,7 @@ TEST_F(StudioClouds, FramesThatAreNotFittedHaveNoLowCoverage) {
 TEST_F(StudioClouds, StatedUncertaintyCoversTheErrors) {
   FitScore score;
   for (std::size_t i = 0; i < takes_->size(); ++i) {
-    PointCloudOptions options = options_;
-    options.start.facing = (*takes_)[i].reported_heading;
-    const auto fit = FitClouds(clips_[i], person_, bones_, options);
+    const auto& fit = FitOfClouds(i);
     ASSERT_TRUE(fit) << fit.error().Message();
     score.Add(*fit, (*takes_)[i].clip);
   }
@@ -296,12 +311,11 @@ TEST_F(StudioClouds, WithTracksAreATenthBetterThanTheBetterOneAlone) {
   FitScore of_tracks, of_clouds, of_both;
   for (std::size_t i = 0; i < takes_->size(); ++i) {
     const CloudTake& take = (*takes_)[i];
-    const auto tracks = FitTracks(take);
+    const auto& tracks = FitOfTracks(i);
     ASSERT_TRUE(tracks) << tracks.error().Message();
-    PointCloudOptions options = options_;
-    options.start.facing = take.reported_heading;
-    const auto clouds = FitClouds(clips_[i], person_, bones_, options);
+    const auto& clouds = FitOfClouds(i);
     ASSERT_TRUE(clouds) << clouds.error().Message();
+    const PointCloudOptions options = WithReportedFacing(i);
     const auto both = FitTracksAndClouds(*tracks, *FuseClip(clips_[i], options), options);
     ASSERT_TRUE(both) << both.error().Message();
     of_tracks.Add(*tracks, take.clip);
@@ -320,7 +334,7 @@ TEST_F(StudioClouds, WithTracksAreATenthBetterThanTheBetterOneAlone) {
 }
 
 TEST_F(StudioClouds, WithTracksBothSolversFindTheSamePose) {
-  const auto tracks = FitTracks((*takes_)[2]);
+  const auto& tracks = FitOfTracks(2);
   ASSERT_TRUE(tracks);
   const auto clouds = FuseClip(clips_[2], options_);
   const auto banded = FitTracksAndClouds(*tracks, *clouds, options_);
@@ -338,7 +352,7 @@ TEST_F(StudioClouds, WithTracksBothSolversFindTheSamePose) {
 }
 
 TEST_F(StudioClouds, WithTracksRefuseACloudOfAnotherPerson) {
-  const auto tracks = FitTracks((*takes_)[0]);
+  const auto& tracks = FitOfTracks(0);
   ASSERT_TRUE(tracks);
   auto clouds = FuseClip(clips_[0], options_);
   for (FusedCloud& cloud : *clouds) cloud.points.row(0).array() += 2.0;
@@ -350,7 +364,7 @@ TEST_F(StudioClouds, WithTracksRefuseACloudOfAnotherPerson) {
 }
 
 TEST_F(StudioClouds, WithTracksFramesWithoutPointsKeepTheTracks) {
-  const auto tracks = FitTracks((*takes_)[0]);
+  const auto& tracks = FitOfTracks(0);
   ASSERT_TRUE(tracks);
   auto clouds = FuseClip(clips_[0], options_);
   (*clouds)[3] = {Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
@@ -367,7 +381,7 @@ TEST_F(StudioClouds, WithTracksFramesWithoutPointsKeepTheTracks) {
 }
 
 TEST_F(StudioClouds, WithTracksRefuseCloudsWithoutAnyPoints) {
-  const auto tracks = FitTracks((*takes_)[0]);
+  const auto& tracks = FitOfTracks(0);
   ASSERT_TRUE(tracks);
   const FusedCloud empty{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
   const std::vector<FusedCloud> clouds(static_cast<std::size_t>(tracks->motion.frame_count()), empty);
@@ -378,7 +392,7 @@ TEST_F(StudioClouds, WithTracksRefuseCloudsWithoutAnyPoints) {
 }
 
 TEST_F(StudioClouds, WithTracksEndJointsKeepTheRotationsOfTheTracks) {
-  auto tracks = FitTracks((*takes_)[0]);
+  auto tracks = FitOfTracks(0);
   ASSERT_TRUE(tracks);
   const std::vector<bool> moving = CapsuleBody::Make(tracks->motion.skeleton, 1.0, 1.0).MovingJoints();
   const auto end_joint = std::find(moving.begin(), moving.end(), false);

@@ -5,6 +5,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <map>
+
 #include "fitting/cloud_ray_fit.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/fit_clouds.h"
@@ -80,6 +83,19 @@ class MixedTakes : public ::testing::Test {
     return clip;
   }
 
+  /// A take fitted to its depth from the reported facing; made once, as colour cameras do not change it.
+  static const Expected<FitResult>& FitOfClouds(std::size_t take) {
+    static std::map<std::size_t, Expected<FitResult>> fits;
+    const auto known = fits.find(take);
+    if (known != fits.end()) return known->second;
+    PointCloudOptions options = options_.point_clouds;
+    options.start.facing = (*takes_)[take].reported_heading;
+    Clip clip;
+    clip.rate = (*takes_)[take].clip.truth.rate;
+    clip.evidence.depth_views = (*takes_)[take].evidence.depth_views;
+    return fits.emplace(take, FitClouds(clip, in_clouds_, cloud_bones_, options)).first->second;
+  }
+
   static Expected<FitResult> Both(const Clip& clip, const FittingOptions& options = options_) {
     return FitKeypointsAndClouds(clip, skeleton_, body_, bones_, options);
   }
@@ -95,9 +111,7 @@ class MixedTakes : public ::testing::Test {
       const Clip clip = ClipOf(i, mixed);
       const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
       ASSERT_TRUE(keypoints) << keypoints.error().Message();
-      PointCloudOptions cloud_options = options_.point_clouds;
-      cloud_options.start.facing = (*takes_)[i].reported_heading;
-      const auto clouds = FitClouds(clip, in_clouds_, cloud_bones_, cloud_options);
+      const auto& clouds = FitOfClouds(i);
       ASSERT_TRUE(clouds) << clouds.error().Message();
       const auto both = Both(clip);
       ASSERT_TRUE(both) << both.error().Message();
@@ -197,9 +211,7 @@ TEST_F(MixedTakes, DepthAloneTellsWhereALimbIsThatNoColourCameraShows) {
     const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
     ASSERT_TRUE(keypoints) << keypoints.error().Message();
     of.keypoints.Add(*keypoints, (*takes_)[i].clip);
-    PointCloudOptions cloud_options = options_.point_clouds;
-    cloud_options.start.facing = (*takes_)[i].reported_heading;
-    const auto clouds = FitClouds(clip, in_clouds_, cloud_bones_, cloud_options);
+    const auto& clouds = FitOfClouds(i);
     ASSERT_TRUE(clouds) << clouds.error().Message();
     of.clouds.Add(*clouds, (*takes_)[i].clip);
     EXPECT_EQ(Find(*both, kModalitiesApart), nullptr) << "a leg that no camera shows is no evidence for the rig";
@@ -279,7 +291,7 @@ TEST_F(MixedTakes, OneKeypointCameraImprovesTheFitByItsRays) {
     FittingOptions options = options_;
     options.point_clouds.start.facing = (*takes_)[i].reported_heading;
     const Clip clip = ClipOf(i, mixed);
-    const auto clouds = FitClouds(clip, in_clouds_, cloud_bones_, options.point_clouds);
+    const auto& clouds = FitOfClouds(i);
     ASSERT_TRUE(clouds) << clouds.error().Message();
     const auto fit = FitKeypointsAndClouds(clip, skeleton_, body_, cloud_bones_, options);
     ASSERT_TRUE(fit) << fit.error().Message();
@@ -337,12 +349,11 @@ TEST_F(MixedTakes, RefuseDepthInAnotherUnit) {
 
 TEST_F(MixedTakes, UseDepthAtHalfTheRate) {
   Clip clip = ClipOf(0, Noisy());
-  const auto all = Both(clip);
   for (DepthView& view : clip.evidence.depth_views) {
     for (std::size_t f = 1; f < view.files.size(); f += 2) view.files[f].clear();
   }
   const auto half = Both(clip);
-  ASSERT_TRUE(all && half) << half.error().Message();
+  ASSERT_TRUE(half) << half.error().Message();
   const auto keypoints = FitKeypoints(clip.evidence, clip.rate, skeleton_, body_, bones_, options_);
   EXPECT_LT(Score(*half, 0).joint_mm(), 0.9 * Score(*keypoints, 0).joint_mm());
 }
