@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -225,7 +226,7 @@ TEST(LeftHandedDeclaredRightHanded, RealKinectClipsAreFlaggedFromTheirMotion) {
     const std::string name = std::string(clip) + "_realworld.txt";
     fs::copy_file(fs::path(data) / "kinect/kard" / name, folder / ("kard/" + name));
   }
-  const std::string declaration = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml";
+  const std::string declaration = std::string(kSourceFolder) + "/configs/kard.yaml";
   WriteText(folder / "mistaken.yaml", "include: resource:kard.yaml\ningest:\n  source:\n    axes: \"+x +y +z\"\n");
   std::size_t clips = 0;
   for (const bool mistaken : {false, true}) {
@@ -264,7 +265,7 @@ class MistakenDeclaration : public ::testing::Test {
   }
 
   Result Run(const std::vector<std::string>& assignments, const std::string& to = "ingest") {
-    std::vector<std::string> arguments = {"run",   std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml",
+    std::vector<std::string> arguments = {"run",   std::string(kSourceFolder) + "/configs/kard.yaml",
                                           "--set", "ingest.path=" + (folder_ / "kard").string(),
                                           "-o",    (folder_ / "r").string(),
                                           "--to",  to,

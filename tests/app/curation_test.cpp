@@ -9,6 +9,7 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -140,7 +141,7 @@ TEST(ClipOfManyFiles, RefusedClipHasAHashOfAllItsFiles) {
       const bool frame = entry.path().parent_path().string().find("_json") != std::string::npos;
       if (frame) WriteText(entry.path(), content);
     }
-    RunProgram(folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/studio_keypoints.yaml", "--set",
+    RunProgram(folder, {"run", std::string(kSourceFolder) + "/configs/sources/studio_keypoints.yaml", "--set",
                         "ingest.path=" + (folder / "studio/openpose").string(), "--to", "ingest", "-o",
                         (folder / "r").string()});
     const std::string log = ReadText(folder / "r/curation_log.jsonl");

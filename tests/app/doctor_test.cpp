@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -79,9 +80,9 @@ class Installed {
     fs::create_directories(workers_);
     fs::create_directories(folder / "prefix/bin");
     surroundings_.program = folder / "prefix/bin/mocurate";
-    fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", surroundings_.program);
+    fs::copy_file(fs::path(kBinaryFolder) / "mocurate", surroundings_.program);
     for (const char* worker : {"mocurate-annotate", "mocurate-video", "mocurate-learn"}) {
-      fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / worker, workers_ / worker);
+      fs::copy_file(fs::path(kBinaryFolder) / worker, workers_ / worker);
     }
   }
   fs::path Worker(const std::string& name) const { return workers_ / name; }

@@ -8,6 +8,7 @@
 
 #include "tests/app/program.h"
 #include "tests/store/builders.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -107,7 +108,7 @@ TEST_F(ExchangedFiles, AWorkerEndsAtANestedMessage) {
   const std::string message = Put("message", frame + text);
   for (const char* name : {"mocurate-annotate", "mocurate-video"}) {
     program::Surroundings surroundings;
-    surroundings.program = fs::path(MOCURATE_BINARY_FOLDER) / name;
+    surroundings.program = fs::path(kBinaryFolder) / name;
     surroundings.before_start = [&] { dup2(open(message.c_str(), O_RDONLY), STDIN_FILENO); };
     EXPECT_EQ(RunProgram(folder_, {}, surroundings).exit_code, 3) << name;
   }

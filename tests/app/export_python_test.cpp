@@ -7,6 +7,7 @@
 
 #include "core/geometry/rotation.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 #include "tests/support/swinging_clips.h"
 
 namespace mocurate {
@@ -41,7 +42,7 @@ class ExportsInPython : public ::testing::Test {
   }
 
   static nlohmann::json Answer(const std::vector<std::string>& arguments) {
-    std::vector<std::string> words = {std::string(MOCURATE_TEST_SOURCE_FOLDER) + "/read_exports.py"};
+    std::vector<std::string> words = {std::string(kSourceFolder) + "/tests/app/read_exports.py"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     const auto [status, text] = RunPython(words);
     EXPECT_EQ(status, 0) << text;
@@ -153,7 +154,7 @@ TEST_F(ExportsInPython, TablesHoldSecondsAndMetres) {
 
 TEST_F(ExportsInPython, TheExampleDatasetGivesWindowsAndClasses) {
   const nlohmann::json read =
-      Answer({"dataset", (folder_ / "set.h5").string(), std::string(MOCURATE_SOURCE_FOLDER) + "/examples/python"});
+      Answer({"dataset", (folder_ / "set.h5").string(), std::string(kSourceFolder) + "/examples/python"});
   ASSERT_EQ(read["whole"].size(), dataset_.clips.size());
   EXPECT_EQ(read["names"], nlohmann::json(dataset_.labels));
   for (std::size_t i = 0; i < dataset_.clips.size(); ++i) {

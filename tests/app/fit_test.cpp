@@ -12,6 +12,7 @@
 #include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -283,7 +284,7 @@ TEST_F(FitVerbs, APatternThatIsReportedForOneFileNeedsNoFields) {
 TEST_F(FitVerbs, ARunOfRenamedFilesIsRefused) {
   fs::copy_file(kard(), folder_ / "x.txt");
   const Result result =
-      RunProgram(folder_, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "--set",
+      RunProgram(folder_, {"run", std::string(kSourceFolder) + "/configs/kard.yaml", "--set",
                            "ingest.path=" + folder_.path().string(), "-o", (folder_ / "run").string()});
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_THAT(result.err, HasSubstr("no file matches the pattern"));

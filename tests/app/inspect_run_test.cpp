@@ -9,6 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -122,9 +123,9 @@ TEST(Comparison, NeverStopsTheFittedDatasetAndIsReportedBeforeTheWork) {
     fs::copy_file(fs::path(data) / "kinect/kard" / name, folder / ("kard/" + name));
   }
   const Result result =
-      RunProgram(folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard.yaml", "-o",
-                          (folder / "r").string(), "--to", "assemble", "--set", "skeleton=kinect20", "--set",
-                          "assemble.splits=[]", "--set", "ingest.path=" + (folder / "kard").string(), "--json"});
+      RunProgram(folder, {"run", std::string(kSourceFolder) + "/configs/kard.yaml", "-o", (folder / "r").string(),
+                          "--to", "assemble", "--set", "skeleton=kinect20", "--set", "assemble.splits=[]", "--set",
+                          "ingest.path=" + (folder / "kard").string(), "--json"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(fs::exists(folder / "r/dataset.h5"));
   const std::size_t reported = result.err.find(

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -256,7 +257,7 @@ TEST_F(Plans, TasksRunFromAnotherFolderThanThePlan) {
   WriteText(*folder_ / "relative.yaml", RunProgram(*folder_, show).out);
   const auto at = [](const std::string& folder, const std::string& command) {
     const std::string line = "cd '" + (*folder_ / folder).native() + "' && MOCURATE_CACHE='" +
-                             (*folder_ / "relative_cache").native() + "' " MOCURATE_BINARY_FOLDER "/mocurate " +
+                             (*folder_ / "relative_cache").native() + "' " + std::string(kBinaryFolder) + "/mocurate " +
                              command + " > /dev/null 2>&1";
     return WEXITSTATUS(std::system(line.c_str()));
   };
@@ -284,14 +285,14 @@ TEST_F(Plans, ExamplesForOtherEnginesGiveTheBytesOfAPlainRun) {
   WriteText(*folder_ / "small.yaml", config.out);
   // The run folder's name is a command to a shell that takes it for one.
   const auto engine = [](const std::string& name, const std::string& command) {
-    const std::string line = "cd '" + folder_->path().native() +
-                             "' && PATH='" MOCURATE_BINARY_FOLDER "':\"$PATH\" MOCURATE_CACHE=" + name +
-                             "_cache HOME=$PWD " + command + " > " + name + ".log 2>&1";
+    const std::string line = "cd '" + folder_->path().native() + "' && PATH='" + std::string(kBinaryFolder) +
+                             "':\"$PATH\" MOCURATE_CACHE=" + name + "_cache HOME=$PWD " + command + " > " + name +
+                             ".log 2>&1";
     EXPECT_EQ(std::system(line.c_str()), 0) << ReadText(*folder_ / (name + ".log"));
     EXPECT_EQ(ReadText(*folder_ / (name + ";touch PWN;x") / "dataset.h5"), ReadText(*folder_ / "plain/dataset.h5"));
     EXPECT_FALSE(fs::exists(*folder_ / "PWN")) << name;
   };
-  const std::string examples = MOCURATE_SOURCE_FOLDER "/examples/";
+  const std::string examples = std::string(kSourceFolder) + "/examples/";
   engine("parallel", "sh " + examples + "gnu_parallel/run.sh small.yaml 'parallel;touch PWN;x' 2");
   engine("snakemake", "snakemake -q -s " + examples +
                           "snakemake/Snakefile -j 2 --config job=small.yaml 'run=snakemake;touch PWN;x' tasks=2");

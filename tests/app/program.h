@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/folders.h"
 #include "tests/support/scratch_folder.h"
 
 namespace mocurate::program {
@@ -51,7 +52,7 @@ struct Result {
 struct Surroundings {
   std::string cache = "cache";              ///< below the folder of the test, unless absolute
   std::function<void()> before_start = {};  ///< runs in the child: limits, environment, terminals
-  fs::path program = fs::path(MOCURATE_BINARY_FOLDER) / "mocurate";
+  fs::path program = fs::path(kBinaryFolder) / "mocurate";
 };
 
 /// A started program; output goes to files of the folder.

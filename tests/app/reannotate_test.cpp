@@ -8,6 +8,7 @@
 
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate::program {
 namespace {
@@ -52,7 +53,7 @@ TEST_P(Reannotation, GivesClipsOfConstantBonesAndAPageForEach) {
   const RecordedSet& set = GetParam();
   const ScratchFolder folder;
   CopyMatching(fs::path(data) / set.folder, std::regex(set.files), folder / "files");
-  const fs::path config = fs::path(MOCURATE_SOURCE_FOLDER) / "configs/reannotate" / (set.config + std::string(".yaml"));
+  const fs::path config = fs::path(kSourceFolder) / "configs/reannotate" / (set.config + std::string(".yaml"));
   const Result run =
       RunProgram(folder, {"run", config.string(), "-o", (folder / "run").string(), "--jobs", "1", "--set",
                           "ingest.path=" + (folder / "files").string(), "--set", "report.videos=false"});

@@ -9,6 +9,7 @@
 
 #include "job/slurm.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -21,7 +22,7 @@ using program::SmallJob;
 using program::Surroundings;
 using program::WriteText;
 
-const fs::path kRecorded = MOCURATE_SOURCE_FOLDER "/tests/data/slurm";
+const fs::path kRecorded = std::string(kSourceFolder) + "/tests/data/slurm";
 
 std::string Recorded(const std::string& name) { return ReadText(kRecorded / (name + ".txt")); }
 
@@ -116,7 +117,7 @@ class SlurmRuns : public ::testing::Test {
       if (chdir(folder_->path().c_str()) != 0) _exit(127);
       setenv("SHIM_RECORDED", kRecorded.c_str(), 1);
       setenv("SHIM_REFUSE", refusal.c_str(), 1);
-      setenv("PATH", (MOCURATE_SOURCE_FOLDER "/tests/app/slurm_shim:" + std::string(getenv("PATH"))).c_str(), 1);
+      setenv("PATH", (std::string(kSourceFolder) + "/tests/app/slurm_shim:" + std::string(getenv("PATH"))).c_str(), 1);
     };
     return RunProgram(*folder_, arguments, surroundings);
   }

@@ -10,6 +10,7 @@
 
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -404,7 +405,7 @@ TEST(DoctorOfASource, ReportsFilesWithTheEndingAndAnotherName) {
 
 TEST(DoctorOfASource, KnowsEveryDeclarationAndItsOrigin) {
   const ScratchFolder folder;
-  for (const auto& entry : fs::directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/sources")) {
+  for (const auto& entry : fs::directory_iterator(fs::path(kSourceFolder) / "configs/sources")) {
     const std::string name = entry.path().stem().string();
     const Result result =
         RunProgram(folder, {"doctor", "--source", name, "--path", (folder / "nowhere").string(), "--json"});
@@ -463,7 +464,7 @@ Result ShownConfig(const ScratchFolder& folder, const std::string& config) {
 
 TEST(JobNames, MeanTheFilesOfThatNameInConfigs) {
   const ScratchFolder folder;
-  const fs::path configs = fs::path(MOCURATE_SOURCE_FOLDER) / "configs";
+  const fs::path configs = fs::path(kSourceFolder) / "configs";
   for (const char* below : {"", "reannotate/"}) {
     for (const auto& entry : fs::directory_iterator(configs / below)) {
       if (entry.path().extension() != ".yaml") continue;

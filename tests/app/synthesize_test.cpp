@@ -5,6 +5,7 @@
 
 #include "tests/app/disk.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -27,7 +28,7 @@ TEST(Synthesize, TheKardJobRunsOnAFolderOfKardsLayout) {
   EXPECT_TRUE(fs::exists(folder / "studio/kard/a14_s01_e01_realworld.txt"));
   EXPECT_TRUE(fs::exists(folder / "studio/truth/s01.h5"));
   const Result run = RunProgram(
-      folder, {"run", std::string(MOCURATE_SOURCE_FOLDER) + "/configs/kard_studio.yaml", "--set",
+      folder, {"run", std::string(kSourceFolder) + "/configs/kard_studio.yaml", "--set",
                "ingest.path=" + studio + "/kard", "--to", "assemble", "-o", (folder / "r").string(), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.Json()["kept"], 4);
@@ -47,12 +48,11 @@ TEST(Synthesize, NoisyTracksOfAllJointsAreFittedAndComparedWithTheTruthBesideThe
       RunProgram(folder, WithNoisyTracks({"synthesize", "--layout", "tracks", "-o", studio, "--seed", "5", "--set",
                                           "subjects=1", "--set", "actions=[walk, boxing_right_left, sit]"}));
   ASSERT_EQ(written.exit_code, 0) << written.err;
-  const std::vector<std::string> run = {
-      "run",   std::string(MOCURATE_SOURCE_FOLDER) + "/configs/reannotate/studio_tracks.yaml",
-      "--set", "ingest.path=" + studio + "/tracks",
-      "--to",  "fitting",
-      "-o",    (folder / "r").string(),
-      "--json"};
+  const std::vector<std::string> run = {"run",   std::string(kSourceFolder) + "/configs/reannotate/studio_tracks.yaml",
+                                        "--set", "ingest.path=" + studio + "/tracks",
+                                        "--to",  "fitting",
+                                        "-o",    (folder / "r").string(),
+                                        "--json"};
   std::vector<std::string> compared = run, nowhere = run;
   compared.insert(compared.end(), {"--set", "ingest.truth=" + studio + "/truth"});
   nowhere.insert(nowhere.end(), {"--set", "ingest.truth=" + studio + "/tracks"});
@@ -147,12 +147,12 @@ TEST(Synthesize, NamesAConfigToRunOnlyWhereThatIs) {
   const ScratchFolder folder;
   const fs::path installed = folder / "prefix/share/mocurate/configs/sources/kard.yaml";
   fs::create_directories(folder / "prefix/bin");
-  fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "prefix/bin/mocurate");
+  fs::copy_file(fs::path(kBinaryFolder) / "mocurate", folder / "prefix/bin/mocurate");
   program::Surroundings elsewhere;
   elsewhere.program = folder / "prefix/bin/mocurate";
   elsewhere.before_start = [&] { fs::current_path(folder.path()); };
   for (const bool configs : {false, true}) {
-    if (configs) WriteText(installed, ReadText(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/kard.yaml"));
+    if (configs) WriteText(installed, ReadText(std::string(kSourceFolder) + "/configs/sources/kard.yaml"));
     const std::string studio = (folder / (configs ? "b" : "a")).string();
     const Result written = RunProgram(
         folder, {"synthesize", "--layout", "kard", "-o", studio, "--set", "actions=[walk]", "--set", "subjects=1"},

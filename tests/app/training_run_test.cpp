@@ -10,6 +10,7 @@
 #include "core/formats/npz.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 #include "tests/support/other_fields.h"
 
 namespace mocurate {
@@ -351,7 +352,7 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
 
 TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndMarksSubstitutes) {
   const ScratchFolder folder;
-  const std::string config = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/a2m/table1.yaml";
+  const std::string config = std::string(kSourceFolder) + "/configs/papers/a2m/table1.yaml";
   const std::vector<std::string> arguments = {"run", config, "--set", "profile=smoke", "-o", (folder / "r").string()};
   ASSERT_EQ(TrainingProgram(folder, arguments).exit_code, 0);
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
@@ -423,7 +424,7 @@ std::vector<std::string> SegmentsIn(const fs::path& file) {
 
 TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
   const ScratchFolder folder;
-  const std::string papers = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/multiact/";
+  const std::string papers = std::string(kSourceFolder) + "/configs/papers/multiact/";
   const auto run = [&](const std::string& table) {
     return TrainingProgram(
         folder, {"run", papers + table, "--set", "profile=smoke", "-o", (folder / table).string(), "--json"});
@@ -482,7 +483,7 @@ TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
 
 TEST(TrainingRun, TheTableOfTheCmuSetHasItsWindowsAndWeights) {
   const ScratchFolder folder;
-  const std::string config = std::string(MOCURATE_SOURCE_FOLDER) + "/configs/papers/a2m/table2.yaml";
+  const std::string config = std::string(kSourceFolder) + "/configs/papers/a2m/table2.yaml";
   const Result result = TrainingProgram(
       folder, {"run", config, "--set", "profile=smoke", "-o", (folder / "r").string(), "--budget", "0.5"});
   ASSERT_EQ(result.exit_code, 0) << result.err;

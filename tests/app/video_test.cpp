@@ -8,6 +8,7 @@
 
 #include "job/run_and_capture.h"
 #include "tests/app/program.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -54,7 +55,7 @@ TEST(InspectVideo, ADamagedOneIsAFindingAndDoesNotAffectOthers) {
 nlohmann::json InspectedBy(const ScratchFolder& folder, const std::string& script) {
   namespace fs = std::filesystem;
   fs::create_directories(folder / "bin");
-  fs::copy_file(fs::path(MOCURATE_BINARY_FOLDER) / "mocurate", folder / "bin/mocurate");
+  fs::copy_file(fs::path(kBinaryFolder) / "mocurate", folder / "bin/mocurate");
   WriteText(folder / "bin/mocurate-video", "#!/bin/sh\n" + script);
   fs::permissions(folder / "bin/mocurate-video", fs::perms::owner_all);
   fs::create_directories(folder / "set");

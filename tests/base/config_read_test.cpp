@@ -3,6 +3,7 @@
 #include "core/base/file.h"
 #include "core/base/units.h"
 #include "tests/base/config_message.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -154,7 +155,7 @@ TEST(Config, EverySpellingOfAUnitIsRead) {
 }
 
 TEST(Config, ThePageForUsersListsEveryUnit) {
-  const std::string page = ReadFile(MOCURATE_SOURCE_FOLDER "/docs/configuration.md").value();
+  const std::string page = ReadFile(std::string(kSourceFolder) + "/docs/configuration.md").value();
   for (const UnitSpelling& unit : UnitSpellings()) {
     EXPECT_NE(page.find("`" + std::string(unit.spelling) + "`"), std::string::npos) << unit.spelling;
   }

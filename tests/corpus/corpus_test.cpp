@@ -28,6 +28,7 @@ struct Target {
 constexpr Target kTargets[] = {
 #define MOCURATE_FUZZ_TARGET(name) {#name, mocurate_fuzz_##name},
 #include "fuzz_targets.inc"
+#include "tests/support/folders.h"
 #undef MOCURATE_FUZZ_TARGET
 };
 
@@ -50,7 +51,7 @@ std::vector<Input> InputsOf(const std::string& target) {
   for (const FuzzSeed& seed : seeds) {
     if (seed.target == target) inputs.push_back({"seed " + std::to_string(inputs.size()), seed.bytes});
   }
-  const std::filesystem::path known = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "tests/fuzz/regressions" / target;
+  const std::filesystem::path known = std::filesystem::path(kSourceFolder) / "tests/fuzz/regressions" / target;
   if (std::filesystem::exists(known)) {
     std::vector<std::filesystem::path> files(std::filesystem::directory_iterator(known), {});
     std::sort(files.begin(), files.end());

@@ -16,13 +16,14 @@
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/feature_distances.h"
 #include "eval/metrics/interval.h"
+#include "tests/support/folders.h"
 #include "tests/support/golden.h"
 #include "train/recognisers/recogniser.h"
 
 namespace mocurate {
 namespace {
 
-const std::filesystem::path kPage = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs/precision.md";
+const std::filesystem::path kPage = std::filesystem::path(kSourceFolder) / "docs/precision.md";
 
 /// One line of the page: how far our numbers lie from the released ones.
 struct Deviation {

@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/formats/humanact12_names.h"
 #include "core/formats/span_table.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -74,7 +75,7 @@ TEST(SpanTable, RejectsInvalidSpansWithTheirLine) {
 
 /// Table 5 of the paper (a2m_actor.md A.1): the clips per class.
 TEST(SpanTable, OfHumanAct12MatchesTheClassCountsOfThePaper) {
-  const auto text = ReadFile(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/spans/humanact12.csv");
+  const auto text = ReadFile(std::string(kSourceFolder) + "/configs/spans/humanact12.csv");
   ASSERT_TRUE(text);
   const auto spans = ParseSpanTable(*text, "humanact12");
   ASSERT_TRUE(spans) << spans.error().Message();
@@ -97,7 +98,7 @@ TEST(SpanTable, OfHumanAct12MatchesTheClassCountsOfThePaper) {
 }
 
 TEST(HumanAct12Codes, MatchTheSourceDeclaration) {
-  const auto text = ReadFile(std::string(MOCURATE_SOURCE_FOLDER) + "/configs/sources/humanact12_npy.yaml");
+  const auto text = ReadFile(std::string(kSourceFolder) + "/configs/sources/humanact12_npy.yaml");
   ASSERT_TRUE(text);
   std::size_t checked = 0;
   const std::string all(*text);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/file.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 
@@ -15,7 +16,7 @@ namespace mocurate {
 class SchemaCheck {
  public:
   SchemaCheck() {
-    const auto bytes = ReadFile(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs/inspect.schema.json");
+    const auto bytes = ReadFile(std::filesystem::path(kSourceFolder) / "docs/inspect.schema.json");
     schema_ = nlohmann::json::parse(bytes ? *bytes : "{}");
   }
 

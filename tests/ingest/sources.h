@@ -12,6 +12,7 @@
 #include "core/store/store.h"
 #include "ingest/discover.h"
 #include "ingest/stages.h"
+#include "tests/support/folders.h"
 #include "tests/support/scratch_folder.h"
 
 namespace mocurate {
@@ -40,7 +41,7 @@ inline IngestOptions Declared(const std::string& name, std::vector<std::string> 
   // Without recorded data the tests that need them are skipped; others use the declaration only.
   if (TestData().empty()) assignments.insert(assignments.begin(), "ingest.path=.");
   const auto node =
-      LoadConfig(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "configs" / "sources" / (name + ".yaml"), assignments);
+      LoadConfig(std::filesystem::path(kSourceFolder) / "configs" / "sources" / (name + ".yaml"), assignments);
   if (!node) ADD_FAILURE() << node.error().Message();
   const ConfigNode* group = node ? node->Find("ingest") : nullptr;
   const auto options = group != nullptr ? OptionsFromConfig<IngestOptions>(*group)

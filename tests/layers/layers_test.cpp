@@ -12,11 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/folders.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = MOCURATE_SOURCE_FOLDER;
+const fs::path kRoot = kSourceFolder;
 
 /// Module -> modules that it may include besides itself.
 const std::map<std::string, std::set<std::string>> kAllowed = {

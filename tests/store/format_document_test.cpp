@@ -6,6 +6,7 @@
 #include "core/store/store.h"
 #include "core/store/table.h"
 #include "tests/store/builders.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -94,7 +95,7 @@ std::string StoreFormatDocument() {
   return text;
 }
 
-const std::filesystem::path kDocument = std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
+const std::filesystem::path kDocument = std::filesystem::path(kSourceFolder) / "docs" / "store_format.md";
 
 TEST(StoreFormat, StoreFormatMdMatchesTheTable) {
   const std::string document = StoreFormatDocument();

@@ -7,6 +7,7 @@
 #include "core/store/dataset_clips.h"
 #include "core/store/dataset_writer.h"
 #include "tests/store/builders.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -28,9 +29,8 @@ Answer Python(const std::string& arguments) {
 
 std::string Quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
 
-const std::filesystem::path kScripts = MOCURATE_TEST_SOURCE_FOLDER;
-const std::filesystem::path kFormatDocument =
-    std::filesystem::path(MOCURATE_SOURCE_FOLDER) / "docs" / "store_format.md";
+const std::filesystem::path kScripts = std::filesystem::path(kSourceFolder) / "tests/store";
+const std::filesystem::path kFormatDocument = std::filesystem::path(kSourceFolder) / "docs" / "store_format.md";
 
 /// Debian's python3-h5py, without any of our code. May be missing on a minimal machine, but not where the full suite
 /// runs.

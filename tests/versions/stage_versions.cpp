@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "core/base/file.h"
+#include "tests/support/folders.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/versions/stage_record.h"
 
@@ -36,14 +37,14 @@ std::string Listed(const std::vector<std::string>& differences) {
 }  // namespace
 
 std::filesystem::path RecordFile(const std::string& name) {
-  return std::filesystem::path(MOCURATE_TEST_SOURCE_FOLDER) / "expected" / (name + ".json");
+  return std::filesystem::path(kSourceFolder) / "tests/versions" / "expected" / (name + ".json");
 }
 
 void StageVersions::SetUp() {
   RunnerOptions options;
   options.run_folder = folder_ / "run";
   options.cache_folder = folder_ / "cache";
-  options.worker_folder = MOCURATE_BINARY_FOLDER;
+  options.worker_folder = kBinaryFolder;
   options.jobs = 1;
   options.quiet = true;
   auto runner = Runner::Make(options);

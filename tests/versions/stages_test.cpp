@@ -16,6 +16,7 @@
 #include "fitting/options.h"
 #include "ingest/options.h"
 #include "report/options.h"
+#include "tests/support/folders.h"
 #include "tests/versions/fixed_inputs.h"
 #include "tests/versions/stage_record.h"
 #include "tests/versions/stage_versions.h"
@@ -408,7 +409,7 @@ TEST(StageRecords, EveryDeclaredStageHasOne) {
   std::set<std::string> declared;
   const std::regex declaration("StageDeclaration \\w+Declaration\\(\\) \\{ return \\{\"(\\w+)\"");
   for (const char* room : {"ingest", "fitting", "canon", "train", "eval", "report"}) {
-    const std::string text = ReadText(std::filesystem::path(MOCURATE_SOURCE_FOLDER) / room / "options.cpp");
+    const std::string text = ReadText(std::filesystem::path(kSourceFolder) / room / "options.cpp");
     for (std::sregex_iterator it(text.begin(), text.end(), declaration), end; it != end; ++it)
       declared.insert((*it)[1]);
   }

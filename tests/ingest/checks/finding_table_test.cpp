@@ -15,6 +15,7 @@
 #include "core/base/file.h"
 #include "ingest/checks/finding_table.h"
 #include "tests/ingest/inspections.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -46,7 +47,7 @@ void AddQuotedWords(const std::string& line, std::set<std::string>& words) {
 std::set<std::string> QuotedWords(const std::vector<const char*>& folders) {
   std::set<std::string> words;
   for (const char* folder : folders) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(MOCURATE_SOURCE_FOLDER) / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(kSourceFolder) / folder)) {
       const fs::path& file = entry.path();
       if (file.stem().string().rfind("finding_table", 0) == 0) continue;
       if (file.extension() != ".cpp" && file.extension() != ".h") continue;
@@ -59,7 +60,7 @@ std::set<std::string> QuotedWords(const std::vector<const char*>& folders) {
 
 /// Codes of the answers, "code:count".
 std::set<std::string> CodesOfAnswers() {
-  const fs::path answers = fs::path(MOCURATE_SOURCE_FOLDER) / "tests" / "ingest" / "inspect" / "answers.txt";
+  const fs::path answers = fs::path(kSourceFolder) / "tests" / "ingest" / "inspect" / "answers.txt";
   std::istringstream text(ReadFile(answers).value_or(""));
   std::set<std::string> codes;
   for (std::string line; std::getline(text, line);) {
@@ -91,7 +92,7 @@ TEST(FindingTable, HasNoCodeThatNoTestReports) {
 }
 
 TEST(FindingTable, MatchesTheDocument) {
-  const fs::path document = fs::path(MOCURATE_SOURCE_FOLDER) / "docs" / "inspect.md";
+  const fs::path document = fs::path(kSourceFolder) / "docs" / "inspect.md";
   const auto text = ReadFile(document);
   ASSERT_TRUE(text) << text.error().Message();
   const std::size_t begin = text->find(kBegin), end = text->find(kEnd);

@@ -11,6 +11,7 @@
 
 #include "core/base/file.h"
 #include "tests/ingest/inspections.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const fs::path kDocument = fs::path(MOCURATE_SOURCE_FOLDER) / "docs" / "real_sets.md";
+const fs::path kDocument = fs::path(kSourceFolder) / "docs" / "real_sets.md";
 
 /// Known facts on the clips of a set. An empty value cannot be determined; `why` gives the reason.
 struct RealSet {

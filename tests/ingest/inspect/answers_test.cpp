@@ -18,6 +18,7 @@
 #include "ingest/synthetic/studio_layouts.h"
 #include "tests/ingest/runs.h"
 #include "tests/ingest/schema_check.h"
+#include "tests/support/folders.h"
 
 namespace mocurate {
 namespace {
@@ -32,7 +33,7 @@ void CheckSeverity(const std::string& code, const std::string& severity) {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const fs::path kAnswers = fs::path(MOCURATE_SOURCE_FOLDER) / "tests" / "ingest" / "inspect" / "answers.txt";
+const fs::path kAnswers = fs::path(kSourceFolder) / "tests" / "ingest" / "inspect" / "answers.txt";
 
 /// Four digits: detects changes and agrees between compilers.
 std::string Number(double value) { return RoundedText(value, 4); }

@@ -12,6 +12,7 @@
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/studio.h"
 #include "ingest/synthetic/tracker.h"
+#include "tests/support/folders.h"
 #include "tests/support/scratch_folder.h"
 
 namespace mocurate {
@@ -236,7 +237,7 @@ TEST_F(Studio, WritesTheGroundTruthOfACaptureInTheTruthStage) {
 }
 
 TEST_F(Studio, DeclaresTheDemoFilesCorrectly) {
-  const auto node = LoadConfig(fs::path(MOCURATE_SOURCE_FOLDER) / "configs/demo.yaml");
+  const auto node = LoadConfig(fs::path(kSourceFolder) / "configs/demo.yaml");
   ASSERT_TRUE(node) << node.error().Message();
   const ConfigNode* ingest = node->Find("ingest");
   ASSERT_NE(ingest, nullptr);
