@@ -1,4 +1,5 @@
 #include "canon/options.h"
+#include "canon/stages.h"
 
 namespace mocurate {
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/pipeline/stage.h"
 
 namespace mocurate {
 
@@ -256,8 +255,7 @@ struct AuditOptions {
   std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
   OutlierOptions outliers;
-  double repeated_distance_m =
-      0.004;  ///< of two clips (FindDuplicates), below which they have the same motion
+  double repeated_distance_m = 0.004;  ///< of two clips (FindDuplicates), below which they have the same motion
 
   void Declare(OptionVisitor& v);
 };
@@ -278,10 +276,5 @@ inline constexpr const char* kFloorRole = "floor";
 /// tracks.
 inline constexpr const char* kReviewRole = "review";
 inline constexpr const char* kReviewByIdRole = "review_by_id";
-
-StageDeclaration LevelDeclaration();
-StageDeclaration CanonDeclaration();
-StageDeclaration AssembleDeclaration();
-StageDeclaration AuditDeclaration();
 
 }  // namespace mocurate

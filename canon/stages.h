@@ -21,4 +21,10 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request);
 /// duplicates, quality measures.
 Expected<StageOutcome> AuditStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration LevelDeclaration();
+StageDeclaration CanonDeclaration();
+StageDeclaration AssembleDeclaration();
+StageDeclaration AuditDeclaration();
+
 }  // namespace mocurate

@@ -1,6 +1,7 @@
 #include "eval/options.h"
 
 #include "core/base/text.h"
+#include "eval/stages.h"
 
 namespace mocurate {
 namespace {

@@ -7,7 +7,6 @@
 #include "core/base/options.h"
 #include "core/motion/clip_part.h"
 #include "core/motion/one_euro.h"
-#include "core/pipeline/stage.h"
 #include "core/quality/padding_action.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
@@ -186,10 +185,5 @@ struct ScoreOptions {
 
   void Declare(OptionVisitor& v);
 };
-
-StageDeclaration FeaturesDeclaration();
-StageDeclaration ScoreDeclaration();
-StageDeclaration CompareDeclaration();
-StageDeclaration FitErrorDeclaration();
 
 }  // namespace mocurate

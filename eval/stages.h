@@ -39,4 +39,10 @@ Expected<StageOutcome> CompareStage(const StageRequest& request);
 /// and after fitting, rotation error, coverage, per clip and overall.
 Expected<StageOutcome> FitErrorStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration FeaturesDeclaration();
+StageDeclaration ScoreDeclaration();
+StageDeclaration CompareDeclaration();
+StageDeclaration FitErrorDeclaration();
+
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/sha256.h"
+#include "fitting/stages.h"
 
 namespace mocurate {
 namespace {

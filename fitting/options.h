@@ -8,7 +8,6 @@
 
 #include "core/base/options.h"
 #include "core/motion/gaps.h"
-#include "core/pipeline/stage.h"
 #include "fitting/rules.h"
 
 namespace mocurate {
@@ -231,9 +230,5 @@ inline constexpr int kMaxProportionClips = 30;
 /// The clips that represent a person: at most kMaxProportionClips ids, chosen by smallest SHA-256, returned sorted.
 /// Adding a clip changes the choice little; the order of clips does not change it.
 std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids);
-
-StageDeclaration RigDeclaration();
-StageDeclaration ProportionsDeclaration();
-StageDeclaration FittingDeclaration();
 
 }  // namespace mocurate

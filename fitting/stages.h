@@ -18,4 +18,9 @@ Expected<StageOutcome> RigStage(const StageRequest& request);
 /// "before"/"after" objects: bone_spread_mm, jerk, missing_share, frames.
 Expected<StageOutcome> FittingStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration RigDeclaration();
+StageDeclaration ProportionsDeclaration();
+StageDeclaration FittingDeclaration();
+
 }  // namespace mocurate

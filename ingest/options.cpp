@@ -1,6 +1,7 @@
 #include "ingest/options.h"
 
 #include "core/motion/rate_limits.h"
+#include "ingest/stages.h"
 
 namespace mocurate {
 

@@ -9,7 +9,6 @@
 
 #include "core/base/options.h"
 #include "core/formats/damaged_rows.h"
-#include "core/pipeline/stage.h"
 #include "core/quality/padding_action.h"
 #include "ingest/checks/check_options.h"
 #include "ingest/synthetic/studio_options.h"
@@ -215,11 +214,5 @@ int BodiesOf(const SourceOptions& source, const std::string& label);
 
 /// Metres per unit of `units`. Error kConfig.
 Expected<double> MetresPerUnit(const std::string& units);
-
-StageDeclaration IngestDeclaration();
-StageDeclaration MotionsDeclaration();
-StageDeclaration DuplicatesDeclaration();
-StageDeclaration TruthDeclaration();
-StageDeclaration CaptureDeclaration();
 
 }  // namespace mocurate

@@ -20,4 +20,11 @@ Expected<StageOutcome> TruthStage(const StageRequest& request);
 /// unpacks; see docs/studio.md.
 Expected<StageOutcome> CaptureStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration IngestDeclaration();
+StageDeclaration MotionsDeclaration();
+StageDeclaration DuplicatesDeclaration();
+StageDeclaration TruthDeclaration();
+StageDeclaration CaptureDeclaration();
+
 }  // namespace mocurate

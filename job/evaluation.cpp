@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "eval/stages.h"
 
 namespace mocurate {
 namespace {

@@ -6,14 +6,18 @@
 #include <set>
 
 #include "canon/review/review.h"
+#include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "eval/stages.h"
 #include "eval/tables/result_table.h"
 #include "fitting/rig_file.h"
+#include "fitting/stages.h"
 #include "ingest/checks/set_contradictions.h"
 #include "ingest/discover.h"
+#include "ingest/stages.h"
 #include "ingest/synthetic/studio.h"
 #include "job/canon_items.h"
 #include "job/curation_log.h"
@@ -25,6 +29,7 @@
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
 #include "job/training_run.h"
+#include "train/stages.h"
 
 namespace mocurate {
 namespace {

@@ -7,6 +7,7 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "eval/published/published.h"
+#include "eval/stages.h"
 #include "job/evaluation.h"
 #include "job/protocols.h"
 

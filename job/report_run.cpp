@@ -13,7 +13,9 @@
 #include "ingest/formats/driver.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
+#include "report/stages.h"
 #include "train/options.h"
+#include "train/stages.h"
 
 namespace mocurate {
 namespace {

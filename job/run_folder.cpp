@@ -12,6 +12,7 @@
 #include "core/pipeline/journal.h"
 #include "job/run_file.h"
 #include "train/items.h"
+#include "train/stages.h"
 
 namespace mocurate {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "canon/options.h"
 #include "canon/recipes/spans_file.h"
+#include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
@@ -16,8 +17,10 @@
 #include "core/pipeline/journal.h"
 #include "core/pipeline/wire.h"
 #include "fitting/options.h"
+#include "fitting/stages.h"
 #include "ingest/discover.h"
 #include "ingest/options.h"
+#include "ingest/stages.h"
 #include "job/job_items.h"
 #include "job/machine.h"
 #include "job/main_job.h"

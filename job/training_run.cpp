@@ -10,6 +10,7 @@
 #include "job/main_job.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
+#include "train/stages.h"
 
 namespace mocurate {
 namespace {

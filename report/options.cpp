@@ -1,4 +1,5 @@
 #include "report/options.h"
+#include "report/stages.h"
 
 namespace mocurate {
 

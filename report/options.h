@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/pipeline/stage.h"
 
 namespace mocurate {
 
@@ -98,16 +97,5 @@ struct MotionPictureOptions {
 
   void Declare(OptionVisitor& v);
 };
-
-StageDeclaration MotionPictureDeclaration();
-StageDeclaration MotionVideoDeclaration();
-StageDeclaration PlotDeclaration();
-StageDeclaration ClipPageDeclaration();
-StageDeclaration ClipVideoDeclaration();
-StageDeclaration ReportDeclaration();
-StageDeclaration ReviewDeclaration();
-StageDeclaration AnnotateDeclaration();
-StageDeclaration SurveyDeclaration();
-StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

@@ -28,4 +28,16 @@ Expected<StageOutcome> PlotStage(const StageRequest& request);
 /// Sets of motions as for MotionPictureStage -> an H.264 video, all rows side by side (report_video).
 Expected<StageOutcome> MotionVideoStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration MotionPictureDeclaration();
+StageDeclaration MotionVideoDeclaration();
+StageDeclaration PlotDeclaration();
+StageDeclaration ClipPageDeclaration();
+StageDeclaration ClipVideoDeclaration();
+StageDeclaration ReportDeclaration();
+StageDeclaration ReviewDeclaration();
+StageDeclaration AnnotateDeclaration();
+StageDeclaration SurveyDeclaration();
+StageDeclaration PictureDeclaration();
+
 }  // namespace mocurate

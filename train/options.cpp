@@ -1,4 +1,5 @@
 #include "train/options.h"
+#include "train/stages.h"
 
 namespace mocurate {
 

@@ -8,7 +8,6 @@
 
 #include "core/base/options.h"
 #include "core/motion/clip_part.h"
-#include "core/pipeline/stage.h"
 
 namespace mocurate {
 
@@ -325,9 +324,5 @@ struct NetworkOptions {
  private:
   NetworkKind defaults_of_;
 };
-
-StageDeclaration TrainDeclaration();
-StageDeclaration TrainCostDeclaration();
-StageDeclaration GenerateDeclaration();
 
 }  // namespace mocurate

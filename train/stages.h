@@ -18,4 +18,9 @@ Expected<StageOutcome> TrainCostStage(const StageRequest& request);
 /// dataset) instead of requests: a motion for each of its clips by RemakeOptions.
 Expected<StageOutcome> GenerateStage(const StageRequest& request);
 
+/// What the runner must know of each stage; versions are in options.cpp.
+StageDeclaration TrainDeclaration();
+StageDeclaration TrainCostDeclaration();
+StageDeclaration GenerateDeclaration();
+
 }  // namespace mocurate

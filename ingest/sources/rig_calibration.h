@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/camera.h"
+#include "core/pipeline/stage.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {

@@ -8,6 +8,7 @@
 #include "core/base/finding.h"
 #include "core/base/problem_list.h"
 #include "core/motion/clip.h"
+#include "core/pipeline/stage.h"
 #include "core/quality/handedness.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"

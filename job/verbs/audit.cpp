@@ -5,6 +5,7 @@
 
 #include "canon/options.h"
 #include "canon/review/review.h"
+#include "canon/stages.h"
 #include "canon/values/set_files.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
@@ -20,6 +21,7 @@
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
+#include "report/stages.h"
 
 namespace mocurate {
 namespace {

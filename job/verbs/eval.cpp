@@ -12,6 +12,7 @@
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "eval/tables/result_table.h"
+#include "ingest/stages.h"
 #include "job/evaluation.h"
 #include "job/machine.h"
 #include "job/motion_files.h"

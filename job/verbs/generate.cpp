@@ -23,6 +23,7 @@
 #include "job/verbs/verbs.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/options.h"
+#include "train/stages.h"
 
 namespace mocurate {
 namespace {

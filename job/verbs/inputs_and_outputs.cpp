@@ -7,6 +7,7 @@
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "ingest/options.h"
+#include "ingest/stages.h"
 
 namespace mocurate {
 namespace {

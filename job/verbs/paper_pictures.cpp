@@ -12,6 +12,7 @@
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "report/options.h"
+#include "report/stages.h"
 #include "train/items.h"
 
 namespace mocurate {

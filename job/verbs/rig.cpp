@@ -8,6 +8,7 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "fitting/options.h"
+#include "fitting/stages.h"
 #include "job/config_loading.h"
 #include "job/job_checks.h"
 #include "job/job_items.h"

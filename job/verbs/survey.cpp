@@ -14,6 +14,7 @@
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 #include "report/options.h"
+#include "report/stages.h"
 #include "report/survey_tally.h"
 
 namespace mocurate {

@@ -1,6 +1,7 @@
 // The networks that a job trains: one item per seed, each with its own options only.
 
 #include "train/items.h"
+#include "train/stages.h"
 
 #include <gtest/gtest.h>
 

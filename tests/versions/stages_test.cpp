@@ -10,17 +10,23 @@
 #include <sstream>
 
 #include "canon/options.h"
+#include "canon/stages.h"
 #include "core/formats/npy.h"
 #include "core/motion/request.h"
 #include "eval/options.h"
+#include "eval/stages.h"
 #include "fitting/options.h"
+#include "fitting/stages.h"
 #include "ingest/options.h"
+#include "ingest/stages.h"
 #include "report/options.h"
+#include "report/stages.h"
 #include "tests/support/folders.h"
 #include "tests/versions/fixed_inputs.h"
 #include "tests/versions/stage_record.h"
 #include "tests/versions/stage_versions.h"
 #include "train/items.h"
+#include "train/stages.h"
 
 namespace mocurate::versions {
 namespace {
