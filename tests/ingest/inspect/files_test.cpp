@@ -111,7 +111,7 @@ TEST_F(InspectedFiles, RecogniseAllKardFiles) {
   ExpectReported(inspection, "units", "mm", 1.0, 0.99);
   ExpectReported(inspection, "up", "+y", 0.99, 1.0);
   ExpectReported(inspection, "joints", 15, 0.99, 0.98);
-  ExpectReported(inspection, "handedness", "left", 0.4, 0.97);
+  ExpectReported(inspection, "handedness", "left", 0.2, 0.97);
 }
 
 TEST_F(InspectedFiles, RecogniseOtherKinectSets) {
@@ -128,7 +128,7 @@ TEST_F(InspectedFiles, RecogniseOtherKinectSets) {
     ExpectReported(inspection, "joints", set.joints, 0.9, 0.95);
     ExpectReported(inspection, "units", set.units, 0.9, 0.97);
     ExpectReported(inspection, "up", "+y", 0.9, 0.97);
-    ExpectReported(inspection, "handedness", "right", 0.4, 0.9);
+    ExpectReported(inspection, "handedness", "right", 0.2, 0.9);
   }
 }
 
