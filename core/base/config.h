@@ -84,9 +84,9 @@ Expected<Options> OptionsFromConfig(const ConfigNode& node) {
   return options;
 }
 
-/// JSON Schema (draft 2020-12) of declared options, for editors.
+/// JSON Schema (draft 2020-12) of declared options, for editors: nlohmann::json, which the caller includes.
 template <class Options>
-nlohmann::json OptionsSchema() {
+auto OptionsSchema() {
   Options options;
   return internal::SchemaOf(internal::DeclarationOf(options));
 }

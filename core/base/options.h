@@ -138,8 +138,9 @@ Declaration DeclarationOf(Options& options) {
 }  // namespace internal
 
 /// All options with their values, defaults included: the canonical form that cache keys are made from.
+/// Returns nlohmann::json, which the caller includes.
 template <class Options>
-nlohmann::json OptionsToJson(const Options& options) {
+auto OptionsToJson(const Options& options) {
   Options copy = options;
   return internal::ToJson(internal::DeclarationOf(copy));
 }

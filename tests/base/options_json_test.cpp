@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/base/finding.h"
 #include "tests/base/sample_options.h"
