@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/formats/damaged_rows.h"
+#include "core/formats/file_rules.h"
 #include "core/quality/padding_action.h"
 #include "ingest/checks/check_options.h"
 #include "ingest/synthetic/studio_options.h"

@@ -7,10 +7,9 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/formats/amc_missing.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
-#include "core/formats/pose_memory.h"
 
 namespace mocurate {
 namespace {

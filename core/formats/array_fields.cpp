@@ -6,7 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 
 namespace mocurate {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/asf.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
 
 namespace mocurate {

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
-#include "core/formats/damaged_rows.h"
+#include "core/formats/file_rules.h"
 #include "core/geometry/rotation.h"
 
 namespace mocurate {

@@ -8,7 +8,6 @@
 
 #include "core/base/text.h"
 #include "core/formats/json_place.h"
-#include "core/formats/qualisys.h"
 
 namespace mocurate {
 namespace {

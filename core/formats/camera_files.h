@@ -2,13 +2,15 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/formats/calibration.h"
 
 namespace mocurate {
 
-/// Calibrations as JSON and TOML, each with its own layout. Where a file does not declare the meaning of R and t or its
+/// Calibrations as JSON, TOML, XML and YAML, each with its own layout. Where a file does not declare the meaning of R and t or its
 /// unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors kMalformed and
 /// kInconsistent with the path of the field ("calib.json:/cameras/3/K").
 
@@ -36,6 +38,18 @@ Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& 
 
 /// The set's own pickle of one rig (CamParams0906.pkl), of the same content; the rig is called as the file is.
 Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::string& name);
+
+/// A Qualisys Track Manager calibration (.qca.txt, XML). The file's numbers are 1/64 px; its camera axes are x right, y
+/// up, z backward: R = diag(1, -1, -1) Rq. The unit is millimetres, and x y z is the camera's centre. Error
+/// kMalformed with "name:line" of the camera and the attribute.
+Expected<Calibration> ParseQualisys(std::string_view bytes, const std::string& name);
+
+/// Calibrations that OpenCV's FileStorage wrote as YAML or XML; `storages` are names and bytes of files. Rigs as
+/// EasyMocap writes them, two files: `names`, K_n and dist_n (k1 k2 p1 p2, perhaps k3), W_n and H_n if there; and
+/// Rot_n or R_n (rotation vector), T_n. Views, a file each: intrinsic (3 x 3), R (3 x 3), t (3). What R and T mean and
+/// their unit is left unknown. Error kMalformed or kInconsistent with the field ("intri.yml:K_cam02") or the line;
+/// kUnsupported: no calibration.
+Expected<Calibration> ParseOpenCvCalibration(const std::vector<std::pair<std::string, std::string>>& storages);
 
 /// Whether a text, however damaged, was written as a calibration: by keys that nothing else has together.
 bool LooksLikeCalibration(std::string_view bytes);

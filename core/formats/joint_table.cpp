@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
 

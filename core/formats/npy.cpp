@@ -8,7 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
-#include "core/formats/header_count.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/pickle.h"
 
 namespace mocurate {

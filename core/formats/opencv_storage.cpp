@@ -1,4 +1,4 @@
-#include "core/formats/opencv_storage.h"
+#include "core/formats/camera_files.h"
 
 #include <yaml-cpp/yaml.h>
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/formats/header_count.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/line_reader.h"
 

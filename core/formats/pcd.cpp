@@ -9,10 +9,8 @@
 
 #include "core/base/text.h"
 #include "core/base/unpacked_limit.h"
-#include "core/formats/header_count.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
-#include "core/formats/lzf.h"
 #include "core/formats/number_scanner.h"
 
 namespace mocurate {
@@ -21,6 +19,9 @@ namespace {
 using Token = NumberScanner::Token;
 
 constexpr std::uint32_t kColourMask = 0xFFFFFFU;
+constexpr std::size_t kLongestLiteral = 32;  // of an LZF block
+constexpr std::size_t kLongestCopy = 264;  // 2 + 7 + 255
+constexpr std::size_t kShortestCopy = 3;   // bytes of the block that it takes
 
 double ColourFromFloat(float value) {
   std::uint32_t bits = 0;
@@ -322,6 +323,38 @@ const PcdField* Pcd::Find(std::string_view field) const {
   const auto found =
       std::find_if(fields.begin(), fields.end(), [&](const PcdField& candidate) { return candidate.name == field; });
   return found == fields.end() ? nullptr : &*found;
+}
+
+std::optional<std::string> UnpackLzf(std::string_view block, std::size_t size) {
+  if (size / kLongestCopy > block.size() / kShortestCopy) return std::nullopt;
+  std::string bytes;
+  bytes.reserve(size);
+  std::size_t at = 0;
+  const auto next = [&](std::size_t& value) {
+    if (at == block.size()) return false;
+    value = static_cast<unsigned char>(block[at++]);
+    return true;
+  };
+  for (std::size_t control = 0; next(control);) {
+    if (control < kLongestLiteral) {
+      const std::size_t length = control + 1;
+      if (block.size() - at < length || size - bytes.size() < length) return std::nullopt;
+      bytes.append(block.substr(at, length));
+      at += length;
+      continue;
+    }
+    std::size_t length = control >> 5;
+    std::size_t extra = 0;
+    if (length == 7 && !next(extra)) return std::nullopt;
+    length += extra + 2;
+    std::size_t low = 0;
+    if (!next(low)) return std::nullopt;
+    const std::size_t back = ((control & 0x1F) << 8) + low + 1;
+    if (back > bytes.size() || size - bytes.size() < length) return std::nullopt;
+    for (std::size_t i = 0; i < length; ++i) bytes += bytes[bytes.size() - back];
+  }
+  if (bytes.size() != size) return std::nullopt;
+  return bytes;
 }
 
 Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name) { return PcdParser(bytes, name).Parse(); }

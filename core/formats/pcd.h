@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,5 +45,9 @@ Expected<Pcd> ParsePcd(std::string_view bytes, const std::string& name);
 
 /// Points measured, x y z in file units. Error kMalformed when these fields are missing.
 Expected<std::vector<Vector3d>> PcdPoints(const Pcd& pcd, const std::string& name);
+
+/// LZF blocks (Marc Lehmann's liblzf, as PCD files hold them). Empty when the block is damaged or does not give exactly
+/// `size` bytes; nothing beyond what the block could give is allocated.
+std::optional<std::string> UnpackLzf(std::string_view block, std::size_t size);
 
 }  // namespace mocurate

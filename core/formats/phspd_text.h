@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
-#include "core/formats/damaged_rows.h"
+#include "core/formats/file_rules.h"
 
 namespace mocurate {
 

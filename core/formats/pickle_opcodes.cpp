@@ -1,4 +1,4 @@
-#include "core/formats/pickle_opcodes.h"
+#include "core/formats/pickle.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "core/formats/qualisys.h"
+#include "core/formats/camera_files.h"
 
 #include <cmath>
 #include <optional>

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/tracks.h"

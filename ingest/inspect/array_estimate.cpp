@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/formats/largest_number.h"
+#include "core/formats/file_rules.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/inspect/joint_orders.h"
 

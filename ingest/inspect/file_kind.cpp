@@ -11,7 +11,7 @@
 #include "core/base/text.h"
 #include "core/formats/decimal_comma.h"
 #include "core/formats/line_reader.h"
-#include "core/formats/pickle_opcodes.h"
+#include "core/formats/pickle.h"
 
 namespace mocurate {
 namespace {

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "core/formats/opencv_storage.h"
+#include "core/formats/camera_files.h"
 #include "core/formats/png.h"
 #include "ingest/checks/keypoint_checks.h"
 #include "ingest/inspect/file_names.h"

@@ -8,7 +8,6 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/opencv_storage.h"
 #include "ingest/inspect/calibration_estimate.h"
 
 namespace mocurate {

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/formats/camera_files.h"
-#include "core/formats/qualisys.h"
 #include "tests/formats/corruption.h"
 #include "tests/formats/damage.h"
 #include "tests/formats/expect_error.h"

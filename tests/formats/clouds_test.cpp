@@ -8,7 +8,6 @@
 #include <ctime>
 #include <set>
 
-#include "core/formats/lzf.h"
 #include "core/formats/pcd.h"
 #include "core/formats/ply.h"
 #include "core/formats/point_cloud.h"

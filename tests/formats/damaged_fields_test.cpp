@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
-#include "core/formats/header_count.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/npy.h"
 #include "core/formats/ntu_skeleton.h"

@@ -1,6 +1,6 @@
 // Errors and places of OpenCV FileStorage calibrations. Recorded rigs: tests/ingest/declaration/calibration_test.cpp.
 
-#include "core/formats/opencv_storage.h"
+#include "core/formats/camera_files.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 #include <cstdint>
 
 #include "core/formats/camera_files.h"
-#include "core/formats/opencv_storage.h"
 
 /// One file of any dialect, or for OpenCV one or two files separated by a zero byte.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

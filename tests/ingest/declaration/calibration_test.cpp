@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/formats/camera_files.h"
-#include "core/formats/opencv_storage.h"
 #include "core/formats/panoptic_bodies.h"
 #include "ingest/inspect/calibration_estimate.h"
 #include "tests/formats/damage.h"

@@ -9,7 +9,7 @@
 #include "core/base/random.h"
 #include "core/body/skinned_body.h"
 #include "core/formats/amass.h"
-#include "core/formats/opencv_storage.h"
+#include "core/formats/camera_files.h"
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
 #include "tests/ingest/sources.h"

@@ -1,9 +1,20 @@
-#include "core/formats/pose_memory.h"
+#include "core/formats/file_rules.h"
 
 #include "core/base/text.h"
 #include "core/base/unpacked_limit.h"
 
 namespace mocurate {
+
+tl::unexpected<Error> CountContradiction(const std::string& count, double announced, double found,
+                                         const std::string& where, bool at_most) {
+  return Fail(ErrorCode::kInconsistent,
+              count + " announces " + FormatDouble(announced) + ", the file holds " + (at_most ? "at most " : "") +
+                  FormatDouble(found),
+              where,
+              announced > found ? "the file is cut off, or its header is wrong: copy it again"
+                                : "more follows than is announced: copy it again, or correct the header",
+              Reason::kCount, announced);
+}
 
 Status CheckPoseMemory(std::size_t joints, std::size_t frames, std::size_t bytes, const std::string& name) {
   constexpr std::uint64_t kPose = 7 * sizeof(double);
