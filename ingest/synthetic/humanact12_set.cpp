@@ -89,10 +89,8 @@ struct PlannedClip {
   }
 };
 
-bool IsWanted(const HumanAct12Variant& variant, const std::vector<std::string>& actions) {
-  return actions.empty() || std::any_of(actions.begin(), actions.end(), [&](const std::string& name) {
-           return name == variant.label || name == variant.action || name == variant.code;
-         });
+bool IsWantedVariant(const HumanAct12Variant& variant, const std::vector<std::string>& actions) {
+  return IsWanted(actions, {variant.label, variant.action, variant.code});
 }
 
 /// Every clip of the real set, its length one step of the distribution; the clips of a subject come in order.
@@ -165,14 +163,14 @@ int SpanAt(const HumanAct12Variant& variant, double share) {
   return static_cast<int>(std::lround((1.0 - part) * variant.frames[k - 1] + part * variant.frames[k]));
 }
 
-std::vector<PlannedRecording> PlanHumanAct12(const HumanAct12Plan& plan) {
-  const auto seed = static_cast<std::uint64_t>(plan.seed);
+std::vector<PlannedRecording> PlanHumanAct12(const StudioOptions& options) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
   std::map<std::tuple<int, int, int>, PlannedRecording> recordings;
   for (const HumanAct12Variant& variant : HumanAct12Variants()) {
-    if (!IsWanted(variant, plan.actions)) continue;
+    if (!IsWantedVariant(variant, options.actions)) continue;
     for (const PlannedClip& clip : ClipsOf(variant, seed)) {
-      if (plan.subjects > 0 && clip.subject > plan.subjects) continue;
-      if (plan.clips > 0 && clip.number >= plan.clips) continue;
+      if (options.subjects > 0 && clip.subject > options.subjects) continue;
+      if (options.clips > 0 && clip.number >= options.clips) continue;
       const int time = clip.number % 4 + 1;
       PlannedRecording& recording = recordings[{clip.subject, variant.group, time}];
       recording.subject = clip.subject;
@@ -202,11 +200,7 @@ PlannedSequence PlanSequence(const StudioOptions& options, int subject, int numb
   Random random(static_cast<std::uint64_t>(options.seed), "studio.sequence", sequence.Key());
   std::vector<const HumanAct12Variant*> choice;
   for (const HumanAct12Variant& variant : HumanAct12Variants()) {
-    const auto& only = options.actions;
-    const bool wanted = only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& name) {
-                          return name == variant.label || name == variant.action || name == variant.code;
-                        });
-    if (wanted) choice.push_back(&variant);
+    if (IsWantedVariant(variant, options.actions)) choice.push_back(&variant);
   }
   int frame = static_cast<int>(random.Uniform(0.3, 1.5) * rate_hz);
   const int actions = least + static_cast<int>(random.Below(static_cast<std::uint64_t>(most - least + 1)));

@@ -45,17 +45,10 @@ struct PlannedRecording {
   std::vector<CutClip> clips;
 };
 
-/// The requested part of the set. 0: as many as in the real set.
-struct HumanAct12Plan {
-  std::int64_t seed = 1;
-  std::int64_t subjects = 0;
-  std::int64_t clips = 0;            ///< maximum of each variant and subject
-  std::vector<std::string> actions;  ///< coarse labels or actions; empty: all
-};
-
 /// Recordings sorted by subject, group, time. Clips of each variant are distributed over the real set's lengths; the
-/// whole set has the real numbers of each subject and variant.
-std::vector<PlannedRecording> PlanHumanAct12(const HumanAct12Plan& plan);
+/// whole set has the real numbers of each subject and variant. Of the options: seed, subjects, clips of each variant
+/// and subject, actions (coarse labels, actions or codes).
+std::vector<PlannedRecording> PlanHumanAct12(const StudioOptions& options);
 
 /// Several actions of HumanAct12 one after the other, with pauses between, like BABEL's long sequences.
 struct PlannedSequence {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/body/capsule_body.h"
 #include "core/body/skinned_body.h"
+#include "core/geometry/camera.h"
 #include "ingest/synthetic/performance.h"
 #include "ingest/synthetic/studio_folder.h"
 #include "ingest/synthetic/studio_options.h"
@@ -55,6 +57,13 @@ std::vector<double> RotationVectors(const Motion& motion, int frame);
 /// same error, four times along the line of sight.
 VibeTrack VibeTrackOf(const Motion& motion, const TrackerOptions& options, std::int64_t seed, const std::string& item,
                       const Vector2d& image_centre = {270.0, 270.0});
+
+/// Writes every `options.depth.every`-th frame of an actor's motion as a depth camera's image, file `name_of(frame)`.
+/// `item` and the frame key the randomness; `background`: RoomDepth, empty for an image of the person alone;
+/// `mirrored`: left and right exchanged, as Kinects write their images.
+Status WriteDepthImages(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                        const std::string& item, const std::vector<float>& background, bool mirrored,
+                        const std::function<std::string(int)>& name_of, StudioFolder& folder);
 
 // One function per layout: it writes the files below the folder and the truth of its clips.
 Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder);

@@ -68,11 +68,7 @@ AnnotatedSequence PlanBabelSequence(const StudioOptions& options, int subject, i
   Random random(static_cast<std::uint64_t>(options.seed), "studio.babel_sequence", sequence.Key());
   std::vector<const BabelAction*> choice;
   for (const BabelAction& action : BabelActions()) {
-    const auto& only = options.actions;
-    const bool wanted = only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& name) {
-                          return name == action.proc_label || name == action.action;
-                        });
-    if (wanted) choice.push_back(&action);
+    if (IsWanted(options.actions, {action.proc_label, action.action})) choice.push_back(&action);
   }
   Script& script = sequence.script;
   script.transition_s = kTransition_s;

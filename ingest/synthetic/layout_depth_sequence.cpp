@@ -4,7 +4,6 @@
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"
-#include "ingest/synthetic/sensors.h"
 
 namespace mocurate {
 namespace {
@@ -56,20 +55,6 @@ nlohmann::json LabelsJson(const PlannedSequence& sequence) {
   return labels;
 }
 
-Status WriteViews(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
-                  const std::string& person, StudioFolder& folder) {
-  const std::vector<Vector2d> rays = PixelRays(camera);
-  const BodyView body(actor);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    const std::string item = person + "/" + camera.name + "/" + std::to_string(f);
-    Status written = folder.WriteImage(
-        "rendered_seq/" + person + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png",
-        SimulateDepth(body.Depth(motion, f, camera, rays), {}, camera, rays, options.depth, options.seed, item));
-    if (!written) return written;
-  }
-  return {};
-}
-
 }  // namespace
 
 Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
@@ -89,7 +74,12 @@ Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<
     const std::string person = sequence.Person();
     if (i % parts > 0) {
       const std::size_t k = i % parts - 1;
-      return WriteViews(options, actor, DelayBy(motion, faults.clock_s[k]), faults.real[k], person, folder);
+      const Camera& camera = faults.real[k];
+      const auto name_of = [&](int f) {
+        return "rendered_seq/" + person + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png";
+      };
+      return WriteDepthImages(options, actor, DelayBy(motion, faults.clock_s[k]), camera, person + "/" + camera.name,
+                              {}, false, name_of, folder);
     }
     const Motion seen = SelectFrames(motion, PhspdPolarFromWorld());
     nlohmann::json document = {{"body", actor.body == nullptr ? "capsules" : "body_cc0"},

@@ -124,20 +124,6 @@ void AddFalseTrack(const StudioOptions& options, const std::string& item, const 
   }
 }
 
-/// MDepth-%08d.png of every frame: mirrored as the sensor's images are, 0 outside the body.
-Status WriteMaskedDepth(const StudioOptions& options, const BodyView& body, const Motion& motion, const Camera& camera,
-                        const std::string& recording, StudioFolder& folder) {
-  const std::vector<Vector2d> rays = PixelRays(camera);
-  for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
-    const std::vector<float> depth = body.Depth(motion, f, camera, rays);
-    const DepthImage image = Mirrored(
-        SimulateDepth(depth, {}, camera, rays, options.depth, options.seed, recording + "/" + std::to_string(f)));
-    const std::string name = "nturgb+d_depth_masked/" + recording + "/MDepth-" + ZeroPadded(f + 1, 8) + ".png";
-    if (Status written = folder.WriteImage(name, image); !written) return written;
-  }
-  return {};
-}
-
 }  // namespace
 
 Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
@@ -182,7 +168,11 @@ Status WriteNtuLayout(const StudioOptions& options, const std::vector<Actor>& ac
     folder.AddTruth(person, "ntu/" + person + "/" + recording,
                     SelectFrames(motion, HalfRotationAboutX() * camera.camera_from_world));
     if (!options.depth.enabled) return {};
-    return WriteMaskedDepth(options, body, motion, camera, recording, folder);
+    // Mirrored as the sensor's images are, 0 outside the body.
+    const auto name_of = [&](int f) {
+      return "nturgb+d_depth_masked/" + recording + "/MDepth-" + ZeroPadded(f + 1, 8) + ".png";
+    };
+    return WriteDepthImages(options, actor, motion, camera, recording, {}, true, name_of, folder);
   });
 }
 

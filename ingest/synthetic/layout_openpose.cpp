@@ -68,21 +68,6 @@ Status WriteKeypoints(const StudioOptions& options, const Actor& actor, const Mo
   return {};
 }
 
-/// TAKE/depth/CAMERA_NNNN.png of one depth camera, millimetres, the person alone.
-Status WriteTakeDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
-                      const std::string& folder_name, const std::string& take, StudioFolder& folder) {
-  const std::vector<Vector2d> rays = PixelRays(camera);
-  const BodyView body(actor);
-  for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
-    const std::string item = take + "/" + camera.name + "/" + std::to_string(f);
-    Status written = folder.WriteImage(
-        folder_name + "/" + take + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png",
-        SimulateDepth(body.Depth(motion, f, camera, rays), {}, camera, rays, options.depth, options.seed, item));
-    if (!written) return written;
-  }
-  return {};
-}
-
 /// Takes for the colour cameras, and the depth cameras where there are any; one calibration of all.
 Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors, const std::string& source,
                   const std::vector<Camera>& depth, StudioFolder& folder) {
@@ -103,8 +88,12 @@ Status WriteTakes(const StudioOptions& options, const std::vector<Actor>& actors
     const Motion motion = PerformScript(take.script, actor.subject, actor.skeleton, FrameRate{kVariantRateHz, 1});
     if (view == 0) folder.AddTruth(person, source + "/" + person + "/" + name, motion);
     const Motion seen = DelayBy(motion, faults.clock_s[view]);
-    return view < colour ? WriteKeypoints(options, actor, seen, faults.real[view], source, name, folder)
-                         : WriteTakeDepth(options, actor, seen, faults.real[view], source, name, folder);
+    const Camera& camera = faults.real[view];
+    if (view < colour) return WriteKeypoints(options, actor, seen, camera, source, name, folder);
+    const auto name_of = [&](int f) {
+      return source + "/" + name + "/depth/" + camera.name + "_" + ZeroPadded(f, 4) + ".png";
+    };
+    return WriteDepthImages(options, actor, seen, camera, name + "/" + camera.name, {}, false, name_of, folder);
   });
 }
 

@@ -4,6 +4,7 @@
 #include "core/base/random.h"
 #include "core/motion/kinematics.h"
 #include "ingest/synthetic/layout.h"
+#include "ingest/synthetic/sensors.h"
 
 namespace mocurate {
 namespace {
@@ -111,6 +112,20 @@ std::vector<double> RotationVectors(const Motion& motion, int frame) {
     vectors.insert(vectors.end(), vector.data(), vector.data() + 3);
   }
   return vectors;
+}
+
+Status WriteDepthImages(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
+                        const std::string& item, const std::vector<float>& background, bool mirrored,
+                        const std::function<std::string(int)>& name_of, StudioFolder& folder) {
+  const std::vector<Vector2d> rays = PixelRays(camera);
+  const BodyView body(actor);
+  for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
+    DepthImage image = SimulateDepth(body.Depth(motion, f, camera, rays), background, camera, rays, options.depth,
+                                     options.seed, item + "/" + std::to_string(f));
+    if (mirrored) image = Mirrored(image);
+    if (Status written = folder.WriteImage(name_of(f), image); !written) return written;
+  }
+  return {};
 }
 
 }  // namespace mocurate

@@ -111,18 +111,12 @@ Status WriteAnnotation(const Motion& seen, const std::vector<int>& frames, const
 /// depth/viewK/RECORDING/depth_F.png of one camera: millimetres, mirrored, as the set's own code reads them.
 Status WriteViewDepth(const StudioOptions& options, const Actor& actor, const Motion& motion, const Camera& camera,
                       const std::string& recording, StudioFolder& folder) {
-  const std::vector<Vector2d> rays = PixelRays(camera);
-  const std::vector<float> room = options.depth.room ? RoomDepth(camera, rays, kWall) : std::vector<float>();
-  const BodyView body(actor);
-  const std::string view = "view" + camera.name.substr(1);
-  for (int f = 0; f < motion.frame_count(); f += static_cast<int>(options.depth.every)) {
-    const std::string item = recording + "/" + camera.name + "/" + std::to_string(f);
-    const DepthImage image = Mirrored(
-        SimulateDepth(body.Depth(motion, f, camera, rays), room, camera, rays, options.depth, options.seed, item));
-    const std::string name = "phspd/depth/" + view + "/" + recording + "/depth_" + std::to_string(f) + ".png";
-    if (Status written = folder.WriteImage(name, image); !written) return written;
-  }
-  return {};
+  const std::vector<float> room =
+      options.depth.room ? RoomDepth(camera, PixelRays(camera), kWall) : std::vector<float>();
+  const std::string below = "phspd/depth/view" + camera.name.substr(1) + "/" + recording + "/depth_";
+  return WriteDepthImages(
+      options, actor, motion, camera, recording + "/" + camera.name, room, true,
+      [&](int f) { return below + std::to_string(f) + ".png"; }, folder);
 }
 
 /// Four items write a recording's clips, its annotation and its views, so that several threads share one recording.
@@ -148,8 +142,7 @@ Status WriteRecording(const StudioOptions& options, const PlannedRecording& plan
 }  // namespace
 
 Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const std::vector<PlannedRecording> recordings =
-      PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions});
+  const std::vector<PlannedRecording> recordings = PlanHumanAct12(options);
   std::vector<std::vector<std::pair<std::string, HumanAct12Clip>>> published(recordings.size());
   Status done = folder.ForEach(recordings.size(), [&](std::size_t i) {
     const Motion motion = PerformRecording(recordings[i], actors);
@@ -167,8 +160,7 @@ Status WriteHumanAct12Layout(const StudioOptions& options, const std::vector<Act
 }
 
 Status WritePhspdLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  const std::vector<PlannedRecording> recordings =
-      PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions});
+  const std::vector<PlannedRecording> recordings = PlanHumanAct12(options);
   for (const int subject : {4, 1}) {
     const PhspdCalibration& rig = PhspdCalibrationOf(subject);
     const Expected<std::string> bytes = EncodePhspdCalibration(rig);

@@ -97,8 +97,7 @@ std::size_t DepthImagesOf(const StudioOptions& options, std::int64_t people) {
     cameras = RigOf(options.rig, SensorKind::kDepth).size();
     for (int person = 1; person <= people; ++person) add(PlanDepthSequence(options, person).script.frames, 1);
   } else if (options.layout == StudioLayout::kPhspd && options.depth.enabled) {
-    for (const PlannedRecording& recording :
-         PlanHumanAct12({options.seed, options.subjects, options.clips, options.actions})) {
+    for (const PlannedRecording& recording : PlanHumanAct12(options)) {
       add(recording.script.frames, options.depth.every);
     }
   } else if (options.depth.enabled &&

@@ -12,6 +12,12 @@ std::string PlannedTake::Key() const {
   return std::to_string(kind->id) + "/" + std::to_string(subject) + "/" + std::to_string(repetition);
 }
 
+bool IsWanted(const std::vector<std::string>& wanted, std::initializer_list<const char*> names) {
+  return wanted.empty() || std::any_of(names.begin(), names.end(), [&](const char* name) {
+           return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+         });
+}
+
 Status CheckWanted(const std::vector<std::string>& wanted, const std::vector<std::string>& known) {
   for (const std::string& name : wanted) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -52,8 +58,7 @@ Expected<std::vector<PlannedTake>> PlanTakes(const StudioOptions& options, const
   const auto repetitions = options.clips > 0 ? options.clips : rules.repetitions;
   std::vector<PlannedTake> takes;
   for (const SetClass& kind : classes) {
-    const auto& only = options.actions;
-    if (!only.empty() && std::find(only.begin(), only.end(), kind.label) == only.end()) continue;
+    if (!IsWanted(options.actions, {kind.label})) continue;
     for (int s = 1; s <= subjects; ++s) {
       for (int r = 1; r <= repetitions; ++r) {
         PlannedTake take{&kind, s, r, {}};

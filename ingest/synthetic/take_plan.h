@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,9 @@ Expected<std::vector<PlannedTake>> PlanVariantTakes(const StudioOptions& options
 
 /// The manner of one performance of an action, and its seconds.
 Manner NaturalManner(const std::string& action, double seated_share, Random& random);
+
+/// Whether one of these names is requested; all are where the list is empty.
+bool IsWanted(const std::vector<std::string>& wanted, std::initializer_list<const char*> names);
 
 /// Error kConfig for a requested action that is not in `known`, with the nearest.
 Status CheckWanted(const std::vector<std::string>& wanted, const std::vector<std::string>& known);

@@ -102,12 +102,13 @@ inline std::vector<StudioClip> StudioClips(std::uint64_t seed, int subjects, boo
   }
   StudioOptions options;
   options.seed = static_cast<std::int64_t>(seed);
+  options.subjects = subjects;
   const auto actors = ActorsOf(options, subjects, body ? &*body : nullptr);
   if (!actors) return clips;
   std::vector<std::string> names;
   for (const Joint& joint : (*skeleton)->joints) names.push_back(joint.name);
   std::vector<std::vector<int>> taken(static_cast<std::size_t>(subjects) + 1, std::vector<int>(13, 0));
-  for (const PlannedRecording& recording : PlanHumanAct12({options.seed, subjects, 1, {}})) {
+  for (const PlannedRecording& recording : PlanHumanAct12(options)) {
     const bool twice = rate_hz > 20.0;
     const Script script = twice ? AtTwiceTheRate(recording.script) : recording.script;
     const Actor& actor = (*actors)[static_cast<std::size_t>(recording.subject - 1)];

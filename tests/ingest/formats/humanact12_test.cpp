@@ -12,10 +12,20 @@
 namespace mocurate {
 namespace {
 
+std::vector<PlannedRecording> Planned(std::int64_t seed, std::int64_t subjects, std::int64_t clips,
+                                      const std::vector<std::string>& actions) {
+  StudioOptions options;
+  options.seed = seed;
+  options.subjects = subjects;
+  options.clips = clips;
+  options.actions = actions;
+  return PlanHumanAct12(options);
+}
+
 constexpr FrameRate kRate{15, 1};
 
 TEST(HumanAct12Set, MatchesClassesCountsAndLengthsOfTheRealSet) {
-  const std::vector<PlannedRecording> recordings = PlanHumanAct12({});
+  const std::vector<PlannedRecording> recordings = Planned(1, 0, 0, {});
   std::map<std::string, int> coarse;
   std::map<int, int> subjects;
   std::set<std::string> fine;
@@ -45,7 +55,7 @@ TEST(HumanAct12Set, MatchesClassesCountsAndLengthsOfTheRealSet) {
 }
 
 TEST(HumanAct12Set, PlacesClipsInSequenceInTheirRecording) {
-  for (const PlannedRecording& recording : PlanHumanAct12({})) {
+  for (const PlannedRecording& recording : Planned(1, 0, 0, {})) {
     int before = 0;
     for (std::size_t i = 0; i < recording.clips.size(); ++i) {
       const CutClip& clip = recording.clips[i];
@@ -61,8 +71,8 @@ TEST(HumanAct12Set, PlacesClipsInSequenceInTheirRecording) {
 }
 
 TEST(HumanAct12Set, KeepsTheSameClipsInASmallerSet) {
-  const std::vector<PlannedRecording> all = PlanHumanAct12({});
-  const std::vector<PlannedRecording> some = PlanHumanAct12({1, 2, 0, {"walk"}});
+  const std::vector<PlannedRecording> all = Planned(1, 0, 0, {});
+  const std::vector<PlannedRecording> some = Planned(1, 2, 0, {"walk"});
   ASSERT_EQ(some.size(), 8u);
   for (const PlannedRecording& recording : some) {
     for (const CutClip& clip : recording.clips) EXPECT_STREQ(clip.variant->label, "walk");
@@ -192,7 +202,7 @@ TEST_F(Variants, KeepTheThighsLevelWhenSitting) {
 }
 
 TEST_F(Variants, JoinActionsWithoutJumps) {
-  const PlannedRecording recording = PlanHumanAct12({3, 1, 2, {}}).front();
+  const PlannedRecording recording = Planned(3, 1, 2, {}).front();
   const Motion motion = PerformScript(recording.script, subject, skeleton, kRate);
   for (int f = 1; f < motion.frame_count(); ++f) {
     for (int j = 0; j < motion.joint_count(); ++j) {
