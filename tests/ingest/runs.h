@@ -68,6 +68,25 @@ inline const SourceRun& RunOnce(const IngestOptions& options) {
   return runs.try_emplace(options.path.string() + OptionsToJson(options).dump(), options).first->second;
 }
 
+/// RunAll of a recorded source that no test changes, from RunOnce.
+inline std::vector<ItemResult> RunAllOnce(const IngestOptions& options) {
+  std::vector<ItemResult> results;
+  const SourceRun& run = RunOnce(options);
+  if (!run.discovery) ADD_FAILURE() << run.discovery.error().Message();
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
+    ItemResult result;
+    result.item = run.discovery->items[i].item;
+    if (run.outcomes[i]) {
+      result.summary = run.outcomes[i]->summary;
+      result.outcome = *run.outcomes[i];
+    } else {
+      ADD_FAILURE() << run.outcomes[i].error().Message();
+    }
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
 /// The recorded sets; test cases share their runs.
 class RecordedSets : public ::testing::Test {
  protected:

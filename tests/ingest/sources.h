@@ -88,6 +88,23 @@ struct Ingested {
   Clip clip;  ///< of the artifact, if written
 };
 
+/// With the clip of the artifact, or the error of an outcome that has none.
+inline Ingested IngestedClip(Expected<StageOutcome> outcome, const std::filesystem::path& artifact) {
+  Ingested result{std::move(outcome), artifact, {}};
+  if (result.outcome && !HasArtifact(result.outcome->kind)) {
+    const Error why = result.outcome->error;
+    result.outcome = tl::unexpected<Error>(why);
+  }
+  if (result.outcome) {
+    auto clip = ReadEvidence(artifact);
+    if (clip)
+      result.clip = std::move(*clip);
+    else
+      ADD_FAILURE() << clip.error().Message();
+  }
+  return result;
+}
+
 inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   StageRequest request;
   request.stage = "ingest";
@@ -96,19 +113,7 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   request.inputs = item.inputs;
   request.output = SharedScratch("ingest_" + name + ".h5");
   std::filesystem::remove(request.output);
-  Ingested result{IngestStage(request), request.output, {}};
-  if (result.outcome && !HasArtifact(result.outcome->kind)) {
-    const Error why = result.outcome->error;
-    result.outcome = tl::unexpected<Error>(why);
-  }
-  if (result.outcome) {
-    auto clip = ReadEvidence(request.output);
-    if (clip)
-      result.clip = std::move(*clip);
-    else
-      ADD_FAILURE() << clip.error().Message();
-  }
-  return result;
+  return IngestedClip(IngestStage(request), request.output);
 }
 
 /// Ingests the only file of a small source and returns its error, if any.

@@ -6,7 +6,7 @@
 
 #include "ingest/inspect/inspect.h"
 #include "tests/formats/expect_error.h"
-#include "tests/ingest/sources.h"
+#include "tests/ingest/runs.h"
 
 namespace mocurate {
 namespace {
@@ -20,13 +20,13 @@ struct Whole {
 
 Whole IngestAll(const std::string& source) {
   Whole whole;
-  const auto discovery = Discover(Declared(source));
-  if (!discovery) {
-    ADD_FAILURE() << discovery.error().Message();
+  const SourceRun& run = RunOnce(Declared(source));
+  if (!run.discovery) {
+    ADD_FAILURE() << run.discovery.error().Message();
     return whole;
   }
-  for (const ItemSpec& item : discovery->items) {
-    Ingested ingested = RunIngest(item, source);
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
+    Ingested ingested = IngestedClip(run.outcomes[i], run.Artifact(i));
     whole.clips += 1;
     if (!ingested.outcome) {
       whole.refused += 1;
@@ -36,7 +36,7 @@ Whole IngestAll(const std::string& source) {
       whole.people.insert(ingested.clip.identity.person);
       whole.labels.insert(ingested.clip.label);
     }
-    whole.by_item.emplace(item.item, std::move(ingested));
+    whole.by_item.emplace(run.discovery->items[i].item, std::move(ingested));
   }
   return whole;
 }

@@ -31,15 +31,16 @@ TEST_F(Kard, HasFourHundredThirtyTwoClipsOfEightPeople) {
 }
 
 TEST_F(Kard, IsReadInMetresAndRightHanded) {
-  const auto discovery = Discover(Declared("kard"));
-  ASSERT_TRUE(discovery) << discovery.error().Message();
+  const SourceRun& run = RunOnce(Declared("kard"));
+  ASSERT_TRUE(run.discovery) << run.discovery.error().Message();
   int frames = 0;
   std::set<std::string> people, labels;
-  for (const ItemSpec& item : discovery->items) {
-    const Ingested ingested = RunIngest(item, "kard");
+  for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
+    const Ingested ingested = IngestedClip(run.outcomes[i], run.Artifact(i));
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
     EXPECT_EQ(ingested.outcome->kind, OutcomeKind::kDone)
-        << item.item << ": " << (ingested.outcome->findings.empty() ? "" : ingested.outcome->findings[0].message);
+        << run.discovery->items[i].item << ": "
+        << (ingested.outcome->findings.empty() ? "" : ingested.outcome->findings[0].message);
     const JointTracks& tracks = *ingested.clip.evidence.tracks;
     frames += tracks.positions.frames;
     people.insert(ingested.clip.identity.person);

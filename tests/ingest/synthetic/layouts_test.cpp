@@ -314,18 +314,19 @@ TEST_F(Layouts, AmassAndBabelRoundTripToTheGroundTruth) {
 }
 
 TEST_F(Layouts, TheSameSeedGivesTheSameBytesForAnyNumberOfJobs) {
-  for (const StudioLayout layout :
-       {StudioLayout::kHumanAct12, StudioLayout::kNtu, StudioLayout::kKard, StudioLayout::kNtuVibe,
-        StudioLayout::kUestcVibe, StudioLayout::kOpenPose, StudioLayout::kOpenPoseDepth, StudioLayout::kAmass,
-        StudioLayout::kDepthSequence, StudioLayout::kCmu8}) {
+  const std::pair<StudioLayout, std::vector<std::string>> layouts[] = {
+      {StudioLayout::kHumanAct12, {"throw"}},    {StudioLayout::kNtu, {"throw"}},
+      {StudioLayout::kKard, {"walk"}},           {StudioLayout::kNtuVibe, {}},
+      {StudioLayout::kUestcVibe, {"punching"}},  {StudioLayout::kOpenPose, {"throw"}},
+      {StudioLayout::kOpenPoseDepth, {"throw"}}, {StudioLayout::kAmass, {"jump", "run"}},
+      {StudioLayout::kDepthSequence, {"throw"}}, {StudioLayout::kCmu8, {}}};
+  for (const auto& [layout, actions] : layouts) {
     StudioOptions options;
     options.layout = layout;
+    options.actions = actions;
     options.subjects = 1;
     options.rig.cameras = 2;
     options.depth.every = 50;
-    if (layout == StudioLayout::kNtu) options.actions = {"throw"};
-    if (layout == StudioLayout::kOpenPose || layout == StudioLayout::kOpenPoseDepth) options.actions = {"throw"};
-    if (layout == StudioLayout::kDepthSequence) options.actions = {"throw"};
     const fs::path again = folder.string() + "_again", other = folder.string() + "_other";
     for (const fs::path& path : {folder, again, other}) fs::remove_all(path);
     ASSERT_TRUE(WriteStudioLayout(options, folder, 1));
