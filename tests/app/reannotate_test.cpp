@@ -84,7 +84,7 @@ const RecordedSet kSets[] = {
     {"cad60", "kinect/cad60", "[0-9]*.txt", 3},
     {"ntu", "ntu", ".*skeleton", 5},
     {"rendered_seq", "clouds/rendered_seq", ".*", 1, true},
-    {"rendered_body", "clouds/rendered_body", "(female_squat|male_wave).*", 2, true},
+    {"rendered_body", "clouds/rendered_body", "male_wave.*", 1, true},
     {"rgbd100", "rgbd100", "views/00000000[0-9][05]_.*", 1},
     {"panoptic", "cameras/panoptic", ".*", 3},
     {"pose2sim_single", "pose2sim", "(single/.*|Calib.qca.txt)", 1},

@@ -339,7 +339,7 @@ TEST(DepthRigInARoom, SoundRigIsNotChanged) {
   CloudTakeOptions options;
   options.seed = 812;
   options.subjects = 1;
-  options.clips = 3;
+  options.clips = 1;
   options.frames = 12;
   options.room = true;
   const std::vector<CloudTake> takes = CloudTakes(options, RigFolder("room"));
