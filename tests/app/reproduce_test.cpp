@@ -103,6 +103,10 @@ TEST(Reproduce, ATableHasThePublishedNumbersAndNamesItsSubstitute) {
     EXPECT_TRUE(fs::is_regular_file(folder / ("a2m_table2/tables/table2" + std::string(ending)))) << ending;
   }
   EXPECT_EQ(Reproduced(folder, "a2m/table2"), table) << "again";
+  const Result ours = RunProgram(folder, {"inspect", folder / "a2m_table2/data/cmu8/checkpoints/Ours_1.h5", "--json"});
+  ASSERT_EQ(ours.exit_code, 0) << ours.err;
+  EXPECT_EQ(ours.Json()["options"]["frames"], 100) << "the set's windows and weights";
+  EXPECT_EQ(ours.Json()["options"]["kl_weight"], 0.01);
 }
 
 TEST(Reproduce, FiguresAreDrawnFromTheNetworksOfTheirRun) {
