@@ -7,7 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/finding.h"
 #include "core/base/text.h"
-#include "core/formats/damaged_rows.h"
+#include "core/formats/file_rules.h"
 #include "core/formats/phspd_text.h"
 #include "core/motion/motion.h"
 #include "core/quality/tracked_points.h"
