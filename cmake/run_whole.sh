@@ -6,7 +6,7 @@ trap 'rm -f "$output"' EXIT
 "$@" >"$output" 2>&1
 status=$?
 # Without the two lines of a case that passed: the last one that begins is where a program crashed.
-sed '/^\[ RUN /{N;/\n\[       OK /d}' "$output"
+sed -e '/^\[ RUN /{N;/\n\[       OK /d}' -e '/^\[-*\]/d' -e '/^Note: Google Test filter/d' -e '/^$/d' "$output"
 [ -n "${MOCURATE_SKIPPED:-}" ] && sed -n 's/^\[  SKIPPED \] \([^ ]*\) (.*/\1/p' "$output" >>"$MOCURATE_SKIPPED"
 [ $status -ne 0 ] && exit $status
 grep -q '\[  SKIPPED \]' "$output" && exit 77
