@@ -10,9 +10,9 @@
 
 namespace mocurate {
 
-/// Calibrations as JSON, TOML, XML and YAML, each with its own layout. Where a file does not declare the meaning of R and t or its
-/// unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors kMalformed and
-/// kInconsistent with the path of the field ("calib.json:/cameras/3/K").
+/// Calibrations as JSON, TOML, XML and YAML, each with its own layout. Where a file does not declare the meaning of R
+/// and t or its unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors
+/// kMalformed and kInconsistent with the path of the field ("calib.json:/cameras/3/K").
 
 /// Pose2Sim and Anipose: [cam] name, size, matrix, distortions (4 or 5), rotation (rotation vector), translation. The
 /// format defines world-to-camera and metres; fisheye = true is kUnsupported.

@@ -20,8 +20,8 @@ using Token = NumberScanner::Token;
 
 constexpr std::uint32_t kColourMask = 0xFFFFFFU;
 constexpr std::size_t kLongestLiteral = 32;  // of an LZF block
-constexpr std::size_t kLongestCopy = 264;  // 2 + 7 + 255
-constexpr std::size_t kShortestCopy = 3;   // bytes of the block that it takes
+constexpr std::size_t kLongestCopy = 264;    // 2 + 7 + 255
+constexpr std::size_t kShortestCopy = 3;     // bytes of the block that it takes
 
 double ColourFromFloat(float value) {
   std::uint32_t bits = 0;

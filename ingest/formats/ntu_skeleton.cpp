@@ -4,8 +4,8 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/formats/ntu_skeleton.h"
 #include "core/formats/file_rules.h"
+#include "core/formats/ntu_skeleton.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
