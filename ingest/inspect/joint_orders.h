@@ -76,17 +76,6 @@ std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::
 /// a body has rigid pairs, anything else has none.
 double Rigidity(const JointPositions& positions, const std::vector<double>& confidence);
 
-/// Two points of an order and how body-like the others are with them once these two change places.
-struct PointExchange {
-  int first = 0;
-  int second = 0;
-  BodyScore score;
-};
-
-/// The one that leaves the best score; nothing of fewer than two frames.
-std::optional<PointExchange> BestExchange(const JointPositions& positions, const std::vector<double>& confidence,
-                                          const std::vector<RawBone>& bones);
-
 /// Median length and robust relative spread of the distance between two points over the frames, as of ScoreBody; spread
 /// 1 when they are hardly ever seen together.
 struct PointDistance {
