@@ -76,12 +76,4 @@ std::vector<OrderScore> ScoreOrders(const JointPositions& positions, const std::
 /// a body has rigid pairs, anything else has none.
 double Rigidity(const JointPositions& positions, const std::vector<double>& confidence);
 
-/// Median length and robust relative spread of the distance between two points over the frames, as of ScoreBody; spread
-/// 1 when they are hardly ever seen together.
-struct PointDistance {
-  double median = 0.0;
-  double spread = 1.0;
-};
-PointDistance DistanceBetween(const JointPositions& positions, const std::vector<double>& confidence, int a, int b);
-
 }  // namespace mocurate
