@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/motion/clip.h"
-#include "fitting/clouds/frame_terms.h"
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/costs/pose_state.h"
 
 namespace mocurate {

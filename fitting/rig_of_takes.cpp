@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "fitting/audit/camera_moves.h"
 #include "fitting/audit/confidence.h"
-#include "fitting/audit/move_finding.h"
 #include "fitting/audit/rig_corrections.h"
 #include "fitting/triangulation/keypoint_tracks.h"
 

@@ -8,12 +8,8 @@
 #include "core/base/text.h"
 #include "fitting/audit/camera_moves.h"
 #include "fitting/audit/clock_offsets.h"
-#include "fitting/audit/corrected_rig.h"
-#include "fitting/audit/fault_words.h"
-#include "fitting/audit/move_finding.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_samples.h"
-#include "fitting/audit/sides_throughout.h"
 #include "fitting/audit/view_sides.h"
 
 namespace mocurate {

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/finding.h"
+#include "core/geometry/camera.h"
 
 namespace mocurate {
 
@@ -70,5 +72,18 @@ bool IsAmbiguous(const RigFault& fault);
 inline constexpr const char* kRigAudit = "rig_audit";
 nlohmann::json FaultsJson(const std::vector<RigFault>& faults);
 std::string FaultsText(const std::vector<RigFault>& faults);
+
+// Faults of cameras with code, camera, frames, value and message. The audit sets confidence and correction.
+
+/// `later_s`: clock offset of the camera relative to the others, seconds; its standard deviation, if known; `worse`:
+/// relative increase of the cost without the offset.
+RigFault ClockOff(const std::string& camera, double later_s, std::optional<double> sigma_s, double worse);
+
+/// A camera that lists left as right in all frames of a take. `margin`: log-likelihood ratio.
+RigFault SidesExchanged(const std::string& camera, int frames, double margin);
+
+/// A camera whose pose differs from that of `reference` ("its calibration"), in frames [begin, end) of a take of
+/// `frames`.
+RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end, int frames);
 
 }  // namespace mocurate

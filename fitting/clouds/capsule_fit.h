@@ -5,8 +5,8 @@
 
 #include "core/base/error.h"
 #include "fitting/clouds/cloud_body.h"
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/clouds/frame_terms.h"
 #include "fitting/costs/pose_state.h"
 #include "fitting/options.h"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fitting/clouds/frame_terms.h"
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/options.h"
 #include "fitting/solver/body_information.h"
 

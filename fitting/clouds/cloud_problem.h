@@ -4,7 +4,7 @@
 #include <ceres/problem.h>
 
 #include <optional>
-#include "fitting/clouds/frame_terms.h"
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/options.h"
 #include "fitting/solver/pose_update.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "fitting/clouds/cloud_files.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/person_points.h"

@@ -15,8 +15,7 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/limb_search.h"
-#include "fitting/clouds/uncertain_motion.h"
-#include "fitting/frames_without_evidence.h"
+#include "fitting/fit_result.h"
 
 namespace mocurate {
 namespace {

@@ -14,7 +14,6 @@
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/frame_finding.h"
-#include "fitting/clouds/uncertain_motion.h"
 #include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
 #include "fitting/uncertainty/body_sigma.h"

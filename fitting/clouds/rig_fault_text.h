@@ -8,7 +8,6 @@
 #include "fitting/clouds/rig_common_faults.h"
 #include "fitting/clouds/rig_exchange.h"
 #include "fitting/clouds/rig_far_views.h"
-#include "fitting/clouds/rig_units.h"
 
 namespace mocurate {
 

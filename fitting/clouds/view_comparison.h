@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/motion/clip.h"
 #include "fitting/clouds/view_surface.h"
 
@@ -37,5 +38,10 @@ struct PlacedSurface {
 /// Compares points of `of` with the image of `in`; empty when either is empty. `scale`, metres: of the loss; points
 /// farther than 2.5 scales from the surface do not match.
 Agreement Compare(const PlacedSurface& of, const PlacedSurface& in, const Vector3d& centre, double scale);
+
+/// Share [0, 1] of pixels with equal depth in two views of a sensor, among those with a depth in one of them. The
+/// lowest over the first, middle and last frame; 0 for images of different size, negative when both are empty. Errors
+/// of ReadDepthImage.
+Expected<double> DepthSimilarity(const DepthView& a, const DepthView& b);
 
 }  // namespace mocurate

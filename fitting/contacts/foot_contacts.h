@@ -10,6 +10,9 @@
 
 namespace mocurate {
 
+struct ProcessNoiseScale;
+struct TrackWindow;
+
 /// The joints of one leg, each the parent of the next; `toe` (LimbsOf's tip) is -1 where the skeleton has none.
 struct Leg {
   int hip = -1;
@@ -51,5 +54,10 @@ Expected<SlidingRemoval> RemoveFootSliding(const ContactOptions& options, Motion
 /// {"sliding_before", "sliding_after", "fastest_before", "fastest_after" (m/s), "contact_share", "largest_shift_mm",
 /// "largest_turn_deg", "frame", "joint", "unreachable_frames"}.
 nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skeleton);
+
+/// Ground contact as a prior: where `pose`, the current fit of all frames, has an ankle or toe in contact, its process
+/// noise is at most `options.contact_process_noise` (which must be set). The prior states that such a foot hardly
+/// moves, not where the floor is. Skeletons without legs are not changed.
+void HoldStandingFeet(const Motion& pose, const TrackWindow& window, ProcessNoiseScale& factors);
 
 }  // namespace mocurate

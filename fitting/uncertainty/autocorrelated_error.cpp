@@ -1,9 +1,12 @@
 #include "fitting/uncertainty/autocorrelated_error.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/median.h"
+#include "core/geometry/symmetric.h"
+#include "fitting/costs/huber.h"
 
 namespace mocurate {
 namespace {
@@ -62,6 +65,63 @@ double AutocorrelationInflation(const TrackWindow& whole, double averaged) {
     growth += 2.0 * (1.0 - lag / n) * correlation;
   }
   return growth;
+}
+
+namespace {
+
+constexpr double kReach_s = 0.25;              ///< time before and after a frame over which residuals are averaged
+constexpr int kMinAutocorrelationSamples = 4;  ///< samples in this time, at least
+/// Chi square of three degrees of freedom that noise alone exceeds once in 1,000. Source: chi-square distribution
+constexpr double kByNoise = 16.3;
+
+/// Sums of a joint's samples up to a frame: precision, precision times departure, and count.
+struct ResidualSums {
+  Matrix3d information = Matrix3d::Zero();
+  Vector3d pull = Vector3d::Zero();
+  int count = 0;
+};
+
+/// (F+1) before each frame.
+std::vector<ResidualSums> SumsOf(const TrackWindow& whole, int joint, double factor) {
+  std::vector<ResidualSums> sums(static_cast<std::size_t>(whole.end) + 1);
+  for (int f = 0; f < whole.end; ++f) {
+    ResidualSums next = sums[f];
+    if (whole.tracks.seen(f, joint)) {
+      const Vector3d away = whole.tracks.positions.at(f, joint) - whole.state.position(f, joint);
+      const Matrix3d information = whole.Information(f, joint) / factor;
+      const Matrix3d robust = HuberSlope(away.dot(information * away), whole.options.huber_sigmas) * information;
+      next.information += robust;
+      next.pull += robust * away;
+      ++next.count;
+    }
+    sums[f + 1] = next;
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::vector<float> PersistentResidualCovariance(const TrackWindow& whole, double factor) {
+  const std::vector<double>& time = whole.tracks.time_s;
+  std::vector<float> covariance(6 * whole.tracks.confidence.size(), 0.0F);
+  for (int j = 0; j < whole.tracks.joints(); ++j) {
+    const std::vector<ResidualSums> sums = SumsOf(whole, j, factor);
+    int begin = 0;
+    int end = 0;
+    for (int f = 0; f < whole.end; ++f) {
+      while (time[begin] < time[f] - kReach_s) ++begin;
+      while (end < whole.end && time[end] <= time[f] + kReach_s) ++end;
+      if (sums[end].count - sums[begin].count < kMinAutocorrelationSamples) continue;
+      const Vector3d pull = sums[end].pull - sums[begin].pull;
+      const Eigen::LLT<Matrix3d> information(sums[end].information - sums[begin].information);
+      if (information.info() != Eigen::Success) continue;
+      const Vector3d mean = information.solve(pull);
+      const double square = pull.dot(mean);
+      if (square < kByNoise) continue;
+      ToSixNumbers((1.0 - 3.0 / square) * mean * mean.transpose(), covariance.data() + 6 * whole.Index(f, j));
+    }
+  }
+  return covariance;
 }
 
 }  // namespace mocurate

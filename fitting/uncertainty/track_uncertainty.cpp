@@ -9,9 +9,7 @@
 #include "fitting/uncertainty/frame_covariances.h"
 #include "fitting/uncertainty/frame_orientation.h"
 #include "fitting/uncertainty/gap_inflation.h"
-#include "fitting/uncertainty/persistent_residuals.h"
-#include "fitting/uncertainty/rest_information.h"
-#include "fitting/uncertainty/second_order_covariance.h"
+#include "fitting/uncertainty/process_noise_scale.h"
 #include "fitting/uncertainty/twist_propagation.h"
 
 namespace mocurate {

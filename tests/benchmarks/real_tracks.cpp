@@ -8,7 +8,7 @@
 
 #include "core/quality/measures.h"
 #include "fitting/fit_outcome.h"
-#include "fitting/frames_without_evidence.h"
+#include "fitting/fit_result.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/real_people.h"
 

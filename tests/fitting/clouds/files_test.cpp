@@ -9,7 +9,6 @@
 #include "core/base/sha256.h"
 #include "core/formats/ply.h"
 #include "core/store/store.h"
-#include "fitting/clouds/cloud_files.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/depth_normals.h"

@@ -1,4 +1,4 @@
-#include "fitting/clouds/uncertain_motion.h"
+#include "fitting/clouds/cloud_uncertainty.h"
 
 #include <gtest/gtest.h>
 

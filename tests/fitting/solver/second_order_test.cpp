@@ -1,4 +1,4 @@
-#include "fitting/uncertainty/second_order_covariance.h"
+#include "fitting/uncertainty/body_sigma.h"
 
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@
 #include "fitting/solver/track_problem.h"
 #include "fitting/uncertainty/frame_orientation.h"
 #include "fitting/uncertainty/gap_inflation.h"
-#include "fitting/uncertainty/rest_information.h"
+#include "fitting/uncertainty/process_noise_scale.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 

@@ -1,4 +1,4 @@
-#include "fitting/frames_without_evidence.h"
+#include "fitting/fit_result.h"
 
 #include "core/base/text.h"
 
