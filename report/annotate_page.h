@@ -53,11 +53,10 @@ std::string MakeAnnotatePage(const AnnotatePageInput& input);
 /// Time of a clip's first frame, in seconds from the first frame of its recording.
 double BeginInRecording(const Clip& clip);
 
-/// Inputs: roles "dataset" and, if there is an earlier session, "spans" (a JSON list of {"clip", "begin", "end",
-/// "in_frames", "label", "fine_label"}: id, id without its frames, or name of the recording; in seconds or frames of
-/// it) -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
+/// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)
+/// -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
 /// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,
-/// kInconsistent when no clip is to be shown, or when no span is of a recording of the dataset.
+/// kInconsistent when no clip is to be shown, or when no span is of a recording of the dataset; of ParseSpanTable.
 Expected<StageOutcome> AnnotateStage(const StageRequest& request);
 
 }  // namespace mocurate

@@ -5,13 +5,12 @@
 #include <set>
 
 #include "core/base/file.h"
-#include "core/base/json_text.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/formats/span_table.h"
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "report/annotate_page.h"
-#include "report/run_facts.h"
 
 namespace mocurate {
 namespace {
@@ -26,33 +25,16 @@ bool EndsIn(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// A span of an earlier session.
-struct SessionSpan {
-  std::string clip;  ///< name in the session
-  double begin = 0.0;
-  double end = 0.0;
-  bool in_frames = false;
-  std::string label;
-  std::string fine_label;
-};
-
 /// By id or name of the recording, as in the session.
-using SessionSpans = std::map<std::string, std::vector<SessionSpan>>;
+using SessionSpans = std::map<std::string, std::vector<ListedSpan>>;
 
 Expected<SessionSpans> ReadSession(const StageInput& input) {
   const auto text = ReadFile(input.path);
   if (!text) return Forward(text);
-  const auto json = ParseJson(*text, input.name);
-  if (!json) return Forward(json);
-  if (!json->is_array()) return Fail(ErrorCode::kMalformed, "not a list of spans", input.name);
+  auto listed = ParseSpanTable(*text, input.name);
+  if (!listed) return Forward(listed);
   SessionSpans spans;
-  for (const nlohmann::json& span : *json) {
-    const auto begin = NumberOf(span, "begin"), end = NumberOf(span, "end");
-    if (!begin || !end) return Fail(ErrorCode::kMalformed, "a span has no begin or end", input.name);
-    const std::string clip = TextOf(span, "clip");
-    spans[RecordingOf(clip)].push_back(
-        {clip, *begin, *end, Field(span, "in_frames") == true, TextOf(span, "label"), TextOf(span, "fine_label")});
-  }
+  for (ListedSpan& span : *listed) spans[RecordingOf(span.clip)].push_back(std::move(span));
   return spans;
 }
 
@@ -151,7 +133,7 @@ PlacedSession PlaceSession(const SessionSpans& session, const std::set<std::stri
       card->spans.clear();
       card->done = true;
     }
-    for (const SessionSpan& span : spans) {
+    for (const ListedSpan& span : spans) {
       if (span.in_frames && cards.empty()) {
         ++placed.excluded;
         continue;

@@ -4,9 +4,7 @@
 
 #include "canon/options.h"
 #include "canon/recipes/classes.h"
-#include "canon/recipes/spans_file.h"
 #include "core/base/config.h"
-#include "core/base/file.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/named_configs.h"
@@ -57,22 +55,6 @@ Expected<std::vector<std::string>> LabelsOfRecipe(const std::string& name, const
   return labels;
 }
 
-/// The spans of an earlier session, as the stage's input.
-Expected<nlohmann::json> SessionJson(const fs::path& path) {
-  const auto spans = ReadSpans(path);
-  if (!spans) return Forward(spans);
-  nlohmann::json list = nlohmann::json::array();
-  for (const ListedSpan& span : *spans) {
-    list.push_back({{"clip", span.clip},
-                    {"begin", span.begin},
-                    {"end", span.end},
-                    {"in_frames", span.in_frames},
-                    {"label", span.label},
-                    {"fine_label", span.fine_label}});
-  }
-  return list;
-}
-
 void PrintPage(const ReviewArguments& arguments, const nlohmann::json& summary) {
   const auto count = [&](const char* key, const char* noun) { return Counted(summary.value(key, 0LL), noun); };
   Print("%s: %s, %s, %s; open it in a browser, mark spans, save spans.csv\n", DisplayPath(arguments.output).c_str(),
@@ -106,14 +88,7 @@ Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments) {
   if (!stages) return Forward(stages);
   ItemSpec item{"annotate", OptionsToJson(options), {{"dataset", DisplayPath(arguments.path), arguments.path, ""}}};
   if (!arguments.spans.empty()) {
-    const auto session = SessionJson(arguments.spans);
-    if (!session) return Forward(session);
-    const fs::path file = (*stages)->folder() / "spans.json";
-    if (Status written = WriteFile(file, session->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-        !written) {
-      return written;
-    }
-    item.inputs.push_back({"spans", DisplayPath(arguments.spans), file, ""});
+    item.inputs.push_back({"spans", DisplayPath(arguments.spans), arguments.spans, ""});
   }
   const auto page = (*stages)->One(AnnotateDeclaration(), std::move(item));
   if (!page) return Forward(page);

@@ -72,7 +72,7 @@ struct Recordings {
   ScratchFolder folder;
   Dataset dataset;
   AnnotateOptions options;
-  nlohmann::json session;
+  std::string session;  ///< a table of spans, or empty
 
   Recordings() {
     dataset.skeleton = Walker();
@@ -93,9 +93,9 @@ struct Recordings {
     EXPECT_TRUE(WriteDataset(dataset, folder / "set.h5"));
     StageRequest request{"annotate", "annotate", OptionsToJson(options), {}, folder / "index.html", {}};
     request.inputs = {{"dataset", "set.h5", folder / "set.h5", ""}};
-    if (!session.is_null()) {
-      EXPECT_TRUE(WriteFile(folder / "spans.json", session.dump()));
-      request.inputs.push_back({"spans", "spans.csv", folder / "spans.json", ""});
+    if (!session.empty()) {
+      EXPECT_TRUE(WriteFile(folder / "spans.csv", session));
+      request.inputs.push_back({"spans", "spans.csv", folder / "spans.csv", ""});
     }
     return AnnotateStage(request);
   }
@@ -193,13 +193,12 @@ TEST(AnnotatingInABrowser, ProposedSpansAreAcceptedAdjustedRemovedAndUndone) {
 TEST(AnnotatingInABrowser, AnEarlierSessionGoesOnAndSpansOfOtherClipsAreSavedAgain) {
   if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
   Recordings set;
-  const auto span = [](const char* clip, double begin, double end, bool in_frames, const char* label,
-                       const char* fine) {
-    return nlohmann::json{{"clip", clip},           {"begin", begin}, {"end", end},
-                          {"in_frames", in_frames}, {"label", label}, {"fine_label", fine}};
-  };
-  set.session = {span("set/p1/r#0-90", 30, 60, true, "step", "slow"), span("set/p3/r", 2.5, 3.5, false, "turn", ""),
-                 span("set/p3/r", 0.5, 1.5, false, "before", ""), span("other/p/r", 0, 1, false, "else", "")};
+  set.session =
+      "clip,begin_s,end_s,label,fine_label\n"
+      "set/p1/r#0-90,1,2,step,slow\n"
+      "set/p3/r,2.5,3.5,turn,\n"
+      "set/p3/r,0.5,1.5,before,\n"
+      "other/p/r,0,1,else,\n";
   const auto made = set.Make();
   ASSERT_TRUE(made) << made.error().Message();
   EXPECT_EQ(made->summary.at("spans"), 2);
@@ -213,6 +212,11 @@ TEST(AnnotatingInABrowser, AnEarlierSessionGoesOnAndSpansOfOtherClipsAreSavedAga
             "set/p1/r,1.000,2.000,step,slow\n"
             "set/p3/r,0.500,1.500,before,\n"
             "set/p3/r,2.500,3.500,turn,\n");
+  set.session = "clip,begin_frame,end_frame,label\nset/p1/r,30,60,step\nother/p/r,0,30,else\n";
+  const auto in_frames = set.Make();
+  ASSERT_TRUE(in_frames) << in_frames.error().Message();
+  EXPECT_EQ(in_frames->summary.at("excluded"), 1) << "of an unknown rate";
+  EXPECT_THAT(*ReadFile(set.folder / "index.html"), HasSubstr(R"("begin_s":1.0,"end_s":2.0,"label":"step")"));
 }
 
 TEST(AnnotatingInABrowser, OnlyCardsNearTheWindowHoldPlayers) {
@@ -272,9 +276,9 @@ TEST(AnnotatePage, ClipsAreChosenAndWhatFitsNothingIsRefused) {
   set.options.clips = {"unknown"};
   EXPECT_EQ(set.Make().error().code, ErrorCode::kUsage);
   set.options.clips.clear();
-  set.session = nlohmann::json::array({{{"clip", "another/p/r"}, {"begin", 0}, {"end", 1}, {"label", "x"}}});
+  set.session = "clip,begin_s,end_s,label\nanother/p/r,0,1,x\n";
   EXPECT_EQ(set.Make().error().code, ErrorCode::kInconsistent) << "spans of another dataset";
-  set.session = nullptr;
+  set.session.clear();
   for (Clip& clip : set.dataset.clips) clip.label = "step";
   EXPECT_EQ(set.Make().error().code, ErrorCode::kInconsistent) << "every clip has a label";
 }
