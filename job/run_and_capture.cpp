@@ -15,14 +15,15 @@
 namespace mocurate {
 namespace {
 
-/// Our environment without the variable of `setting` (the first of two would count), and `setting`.
-std::vector<char*> EnvironmentWith(std::string& setting) {
-  const std::string name = setting.substr(0, setting.find('=') + 1);
+char kPlainMessages[] = "LC_ALL=C";
+
+/// Our environment with messages in English.
+std::vector<char*> PlainEnvironment() {
   std::vector<char*> environment;
   for (char** entry = environ; *entry != nullptr; ++entry) {
-    if (name.empty() || std::strncmp(*entry, name.c_str(), name.size()) != 0) environment.push_back(*entry);
+    if (std::strncmp(*entry, "LC_ALL=", 7) != 0) environment.push_back(*entry);  // the first of two would count
   }
-  environment.push_back(setting.data());
+  environment.push_back(kPlainMessages);
   environment.push_back(nullptr);
   return environment;
 }
@@ -43,7 +44,7 @@ bool ReadAll(int end, double silence_s, std::string& text) {
 }  // namespace
 
 ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                            const std::string& setting, const CaptureOptions& listening) {
+                            const CaptureOptions& listening) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return {-1, std::strerror(errno)};
   posix_spawn_file_actions_t actions;
@@ -57,11 +58,10 @@ ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vec
   }
   std::vector<std::string> words = {program.native()};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::string assignment = setting;
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const std::vector<char*> environment = EnvironmentWith(assignment);
+  const std::vector<char*> environment = PlainEnvironment();
   pid_t pid = -1;
   const int failed = posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);

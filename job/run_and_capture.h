@@ -20,10 +20,9 @@ struct CaptureOptions {
   double silence_s = 0.0;  ///< a program without output for this time is ended; 0: no limit
 };
 
-/// Starts `program` with our environment, in which `setting` ("LC_ALL=C") replaces one variable, without input and
-/// shell, and reads its output.
+/// Starts `program` with our environment and LC_ALL=C, without input and shell, and reads its output.
 ProgramAnswer RunAndCapture(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                            const std::string& setting, const CaptureOptions& listening = {});
+                            const CaptureOptions& listening = {});
 
 /// The last line of an output that is not blank, trimmed; empty without one.
 std::string LastLine(std::string_view text);

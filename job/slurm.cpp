@@ -37,7 +37,7 @@ Expected<ProgramAnswer> Ask(const std::string& name, const std::vector<std::stri
   if (!program) return Forward(program);
   CaptureOptions listening;
   listening.silence_s = kSilence_s;
-  return RunAndCapture(*program, arguments, "LC_ALL=C", listening);
+  return RunAndCapture(*program, arguments, listening);
 }
 
 bool Contains(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }

@@ -27,75 +27,6 @@
 namespace mocurate {
 namespace {
 
-/// A shared library that a program needs and this machine lacks.
-struct MissingLibrary {
-  std::string name;     ///< "libtorch_cpu.so.1.13"
-  std::string package;  ///< Debian 12 package that contains it; empty when unknown
-};
-
-/// Whether a worker program starts, and the reason if not.
-struct WorkerCheck {
-  bool starts = false;
-  std::string version;                  ///< its answer to --version
-  std::vector<MissingLibrary> missing;  ///< reported by its dynamic linker
-  std::string last_output_line;         ///< last line it printed when it did not start
-};
-
-struct LibraryPackage {
-  std::string_view library;  ///< beginning of the file's name
-  std::string_view package;
-};
-
-constexpr LibraryPackage kPackages[] = {{"libtorch", "libtorch1.13"},
-                                        {"libc10", "libtorch1.13"},
-                                        {"libOpen3D", "libopen3d0.16"},
-                                        {"libceres", "libceres3"},
-                                        {"libglog", "libgoogle-glog0v6"},
-                                        {"libgflags", "libgflags2.2"},
-                                        {"libcholmod", "libcholmod3"},
-                                        {"libcxsparse", "libcxsparse3"},
-                                        {"libopenblas", "libopenblas0-pthread"},
-                                        {"libblas", "libopenblas0-pthread"},
-                                        {"liblapack", "libopenblas0-pthread"},
-                                        {"libgomp", "libgomp1"},
-                                        {"libyaml-cpp", "libyaml-cpp0.7"},
-                                        {"libpugixml", "libpugixml1v5"},
-                                        {"libtomlplusplus", "libtomlplusplus3"},
-                                        {"libopencv_core", "libopencv-core406"},
-                                        {"libopencv_imgproc", "libopencv-imgproc406"},
-                                        {"libopencv_imgcodecs", "libopencv-imgcodecs406"},
-                                        {"libopencv_videoio", "libopencv-videoio406"},
-                                        {"libhdf5_serial", "libhdf5-103-1"},
-                                        {"libcrypto", "libssl3"},
-                                        {"libstdc++", "libstdc++6"},
-                                        {"libgcc_s", "libgcc-s1"}};
-
-/// Debian 12 package of a shared library that mocurate links; empty for other libraries.
-std::string PackageOfLibrary(const std::string& library) {
-  for (const LibraryPackage& known : kPackages) {
-    if (library.compare(0, known.library.size(), known.library) == 0) return std::string(known.package);
-  }
-  return {};
-}
-
-/// Asks the dynamic linker for missing libraries of `program`, then starts it with --version. No shell is involved.
-WorkerCheck CheckWorkerProgram(const std::filesystem::path& program) {
-  WorkerCheck check;
-  // With this variable the dynamic linker lists the libraries it would load ("libx.so.1 => not found") and starts
-  // nothing.
-  const std::string listed = RunAndCapture(program, {"--version"}, "LD_TRACE_LOADED_OBJECTS=1").text;
-  for (const std::string_view line : SplitText(listed, '\n')) {
-    const std::size_t arrow = line.find(" => not found");
-    if (arrow == std::string_view::npos) continue;
-    const std::string name(Trim(line.substr(0, arrow)));
-    check.missing.push_back({name, PackageOfLibrary(name)});
-  }
-  const ProgramAnswer answer = RunAndCapture(program, {"--version"}, "LC_ALL=C");
-  check.starts = answer.exit_status == 0 && check.missing.empty();
-  (check.starts ? check.version : check.last_output_line) = LastLine(answer.text);
-  return check;
-}
-
 constexpr double kSlowBlas = 10.0;  // GF/s of one thread; reference BLAS reaches 6 to 7, OpenBLAS more than 100,
                                     // and 15 beside other programs that use all cores
 
@@ -154,34 +85,26 @@ Check CheckBlas() {
   return check;
 }
 
-/// A worker program, then one line per missing shared library.
-std::vector<Check> CheckWorker(const std::string& name, const std::string& does) {
+Check CheckWorker(const std::string& name, const std::string& does) {
   std::error_code ignored;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
     const std::filesystem::path program = folder / name;
     if (access(program.c_str(), X_OK) != 0) continue;
-    const WorkerCheck worker = CheckWorkerProgram(program);
-    Check check{name, worker.starts, DisplayPath(program), ""};
-    if (worker.starts && worker.version != CreatedBy()) {
-      check.ok = false;
-      check.found += " is " + worker.version + ", this program is " + std::string(CreatedBy());
+    const ProgramAnswer answer = RunAndCapture(program, {"--version"});
+    const std::string said = LastLine(answer.text);  // where a library is missing, the linker names it
+    Check check{name, answer.exit_status == 0 && said == CreatedBy(), DisplayPath(program), ""};
+    if (answer.exit_status != 0) {
+      check.found += " does not start: " + said;
+      check.advice = does + " needs it: scripts/install.sh installs its libraries (docs/dependencies.md)";
+    } else if (!check.ok) {
+      check.found += " is " + said + ", this program is " + std::string(CreatedBy());
       check.advice = "build and install both programs together";
-    } else if (!worker.starts) {
-      check.found += " does not start: " + worker.last_output_line;
-      check.advice = does + " needs it; " +
-                     (worker.missing.empty() ? "build it again; scripts/install.sh installs its libraries"
-                                             : "install the libraries below");
     }
-    std::vector<Check> checks = {check};
-    for (const MissingLibrary& library : worker.missing) {
-      const std::string package = library.package.empty() ? "the package that contains it" : library.package;
-      checks.push_back({library.name, false, "not found; " + name + " needs it", "apt-get install " + package});
-    }
-    return checks;
+    return check;
   }
-  return {{name, false, "not found beside mocurate",
-           does + " needs it: build the slice that contains it (MOCURATE_SLICE=all)"}};
+  return {name, false, "not found beside mocurate",
+          does + " needs it: build the slice that contains it (MOCURATE_SLICE=all)"};
 }
 
 Check CheckThreads() {
@@ -263,8 +186,7 @@ Status DoctorVerb(CommonArguments& common) {
   for (const auto& [name, does] : {std::pair<const char*, const char*>{"mocurate-annotate", "ingesting and fitting"},
                                    {"mocurate-video", "inspecting video files"},
                                    {"mocurate-learn", "training and evaluating"}}) {
-    const std::vector<Check> worker = CheckWorker(name, does);
-    checks.insert(checks.end(), worker.begin(), worker.end());
+    checks.push_back(CheckWorker(name, does));
   }
   for (const Check& check : {CheckBlas(), threads, CheckCache()}) checks.push_back(check);
   nlohmann::json document = {{"checks", nlohmann::json::array()}};

@@ -82,7 +82,7 @@ std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
     if (asked.empty()) break;
     std::vector<std::string> arguments;
     for (const std::size_t i : asked) arguments.push_back(fs::absolute(files[i]).native());
-    const ProgramAnswer answer = RunAndCapture(program, arguments, "LC_ALL=C", CaptureOptions{false, kLongest_s});
+    const ProgramAnswer answer = RunAndCapture(program, arguments, CaptureOptions{false, kLongest_s});
     TakeAnswers(answer.text, asked, files, answers);
     const auto silent = std::find_if(asked.begin(), asked.end(), [&](std::size_t i) { return !answers[i]; });
     if (silent == asked.end()) continue;

@@ -93,15 +93,15 @@ TEST(InspectVideo, TheDecoderRunsInTheNeutralLocale) {
 
 TEST(RunAndCapture, EndsAProgramWithoutOutputForTooLong) {
   const ProgramAnswer answer =
-      RunAndCapture("/bin/sh", {"-c", "echo first; exec sleep 1000"}, "LC_ALL=C", CaptureOptions{true, 0.5});
+      RunAndCapture("/bin/sh", {"-c", "echo first; exec sleep 1000"}, CaptureOptions{true, 0.5});
   EXPECT_TRUE(answer.timed_out);
   EXPECT_EQ(answer.exit_status, -1);
 }
 
 TEST(RunAndCapture, ReadsErrorsOnlyIfRequested) {
   const std::vector<std::string> both = {"-c", "echo out; echo err >&2; exit 3"};
-  EXPECT_EQ(RunAndCapture("/bin/sh", both, "LC_ALL=C").text, "out\nerr\n");
-  const ProgramAnswer answer = RunAndCapture("/bin/sh", both, "LC_ALL=C", CaptureOptions{false, 600.0});
+  EXPECT_EQ(RunAndCapture("/bin/sh", both).text, "out\nerr\n");
+  const ProgramAnswer answer = RunAndCapture("/bin/sh", both, CaptureOptions{false, 600.0});
   EXPECT_EQ(answer.text, "out\n");
   EXPECT_EQ(answer.exit_status, 3);
   EXPECT_FALSE(answer.timed_out);
