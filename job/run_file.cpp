@@ -1,10 +1,6 @@
 #include "job/run_file.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <cstdio>
-#include <ctime>
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
@@ -39,31 +35,6 @@ void WarnOfStale(const std::vector<StaleOutput>& stale) {
 
 Status WriteJson(const fs::path& folder, const nlohmann::json& run) {
   return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-}
-
-/// In the format of run.json.
-std::string TimeText(const struct timespec& time) {
-  struct tm parts {};
-  gmtime_r(&time.tv_sec, &parts);
-  char date[32];
-  char text[48];
-  std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text, sizeof text, "%s.%03ldZ", date, time.tv_nsec / 1000000);
-  return text;
-}
-
-/// Whether a file was written before the run that began at `started`.
-bool IsEarlier(const fs::path& file, const std::string& started) {
-  constexpr long kClockStep_ns = 50000000;  // file times may lag behind the clock
-  struct stat now {};
-  if (started.empty() || stat(file.c_str(), &now) != 0) return false;
-  struct timespec written = now.st_mtim;
-  written.tv_nsec += kClockStep_ns;
-  if (written.tv_nsec >= 1000000000) {
-    written.tv_nsec -= 1000000000;
-    ++written.tv_sec;
-  }
-  return TimeText(written) < started;
 }
 
 /// Empty where there is no text.
@@ -136,9 +107,10 @@ std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
     }
     return stale;
   }
-  const std::string started = TextIn(run, "started");
+  std::error_code gone;
+  const fs::file_time_type begun = fs::last_write_time(folder / "run.json", gone);
   for (const auto& [name, output] : OutputsIn(folder)) {
-    if (IsEarlier(folder / name, started)) stale.push_back({DisplayPath(name), Name(output.stage)});
+    if (output.written < begun) stale.push_back({DisplayPath(name), Name(output.stage)});
   }
   return stale;
 }

@@ -43,8 +43,8 @@ class RunFile {
 /// The run.json of a folder; null without one written by a run.
 nlohmann::json ReadRunFile(const std::filesystem::path& folder);
 
-/// The existing stale outputs of a run folder. Of a run that has not ended, and of earlier versions of mocurate: those
-/// that are older than the run.
+/// The existing stale outputs of a run folder. Of a run that has not ended, whose run.json is of its begin: those that
+/// are older.
 std::vector<StaleOutput> StaleOutputs(const std::filesystem::path& folder);
 bool IsStale(const std::vector<StaleOutput>& stale, const std::string& file);
 

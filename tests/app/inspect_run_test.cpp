@@ -58,7 +58,9 @@ TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
   nlohmann::json record = nlohmann::json::parse(program::ReadText(run / "run.json"));
   for (const char* key : {"ended", "stale"}) record.erase(key);
   WriteText(run / "run.json", record.dump());
-  fs::last_write_time(run / "dataset.h5", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  const auto begun = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(run / "run.json", begun);
+  fs::last_write_time(run / "dataset.h5", begun - std::chrono::hours(1));
   const nlohmann::json json = RunProgram(folder, {"inspect", run.string(), "--json"}).Json();
   EXPECT_EQ(json["state"], "cut_short");
   EXPECT_EQ(json["files"], nlohmann::json({"curation_log.jsonl"}));
