@@ -34,9 +34,7 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
   if (!options.enabled) return findings;
   LabelAudit audit;
   if (input == nullptr) {
-    auto judged = AuditLabels(dataset, options);
-    if (!judged) return Forward(judged);
-    audit = std::move(*judged);
+    audit = AuditLabels(dataset, options);
   } else {
     const auto features = ReadFeatures(input->path);
     if (!features) return Forward(features);
@@ -198,8 +196,7 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
                 known.empty() ? "it has none" : known);
   }
   if (chosen != nullptr) {
-    const NearestNeighbourResult result =
-        NearestNeighbour(*dataset, *chosen, static_cast<int>(options->nearest_neighbour_frames));
+    const NearestNeighbourResult result = NearestNeighbour(*dataset, *chosen);
     audit["nearest_neighbour"] = {
         {"split", chosen->name}, {"accuracy", result.accuracy()}, {"correct", result.correct}, {"count", result.count}};
   }

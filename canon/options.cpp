@@ -7,17 +7,8 @@ void TripleOptions::Declare(OptionVisitor& v) {
   v.Number("rate", rate_hz, Unit::kHertz, {0.1, 1000.0},
            "rate of the samples: every n-th recorded frame is used, n rounded down; canon.rate resamples before");
   v.Text("transition", transition, "label of transitions");
-  v.Number(
-      "transition_share", transition_share, Unit::kNone, {0.0, 0.5},
-      "share of each neighbouring action that a labelled transition includes; doubled where no transition is labelled");
-  v.Integer(
-      "most_taken", most_taken, {0.0, 1000.0},
-      "maximum frames of each neighbouring action that a transition includes; doubled where no transition is labelled");
-  v.Integer("extra_frames", extra_frames, {0.0, 1000.0},
-            "frames after the label that the action includes, where they exist");
   v.Integer("least_frames", least_frames, {0.0, 1e5}, "samples with this many frames or fewer are dropped");
   v.Integer("most_frames", most_frames, {4.0, 1e5}, "samples with this many frames or more are dropped");
-  v.Integer("least_part", least_part, {1.0, 1e5}, "minimum frames of each of the three parts");
   v.Integer("context", context, {0.0, 1e5},
             "frames of the previous action in the network's input; the action itself needs one more");
 }
@@ -64,8 +55,6 @@ void TrimOptions::Declare(OptionVisitor& v) {
   v.Number("moving_speed", moving_speed, Unit::kMetrePerSecond, {0.0, 10.0},
            "a movement begins at still_speed and is kept if it reaches this speed; values below still_speed mean "
            "still_speed");
-  v.Number("speed_window", speed_window_s, Unit::kSecond, {0.0, 10.0},
-           "window for estimating the speed of a joint from the slope of its path: longer windows suppress more noise");
   v.Number("margin", margin_s, Unit::kSecond, {0.0, 10.0},
            "time kept before the first and after the last moving frame");
   v.Number("min_length", min_length_s, Unit::kSecond, {0.0, 3600.0},
@@ -139,12 +128,6 @@ void LevelOptions::Declare(OptionVisitor& v) {
        {"clip", LevelOf::kClip}},
       "clips that share a floor: all, those of a person's session, of a view in a session, of a person, or each clip "
       "has its own");
-  v.Number("height_sigma", height_sigma, Unit::kMetre, {1e-4, 1.0}, "standard deviation of a standing foot's height");
-  v.Number("body_sigma", body_sigma, Unit::kRadian, {1e-3, 1.0},
-           "standard deviation of a standing person's axis around the vertical");
-  v.Number("lean_sigma", lean_sigma, Unit::kRadian, {1e-4, 1.0},
-           "prior standard deviation of the common lean of standing people");
-  v.Integer("most_clips", most_clips, {1.0, 1e6}, "maximum clips for estimating a floor, drawn by hash of their ids");
 }
 
 void CanonOptions::Declare(OptionVisitor& v) {
@@ -210,34 +193,21 @@ void AssembleOptions::Declare(OptionVisitor& v) {
 
 void LabelNoiseOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "look for clips that resemble another class");
-  v.Integer("frames", frames, {2.0, 256.0}, "frames that each clip is resampled to");
-  v.Number("velocity_weight", velocity_weight, Unit::kNone, {0.0, 100.0}, "weight of velocities relative to positions");
-  v.Number("width", width, Unit::kNone, {1e-3, 1e3}, "exponent of the kernel at the median squared distance of clips");
-  v.Number("ridge", ridge, Unit::kNone, {1e-4, 1e3}, "added to the kernel's diagonal");
   v.Number("other_share", other_share, Unit::kNone, {0.0, 10.0},
            "minimum score of a clip for another class, as a share of the mean score of that class's own clips");
   v.Number("own_share", own_share, Unit::kNone, {-10.0, 10.0},
            "maximum score of a clip for its own class, as a share of the mean score of that class's clips");
-  v.Number("none_share", none_share, Unit::kNone, {-10.0, 10.0},
-           "clip that fits no class: maximum score for any class, as a share of the mean score of that class's clips");
-  v.Number("least_usual", least_usual, Unit::kNone, {0.0, 1.0},
-           "classes with a mean score of their own clips below this are neither suspected nor suggested");
   v.Integer("most_clips", most_clips, {2.0, 20000.0}, "maximum training clips of a fold; larger sets are sampled");
-  v.Integer("most_folds", most_folds, {2.0, 1000.0}, "maximum folds for distributing persons");
-  v.Integer("drawn_folds", drawn_folds, {2.0, 1000.0}, "number of folds by clip, used for fewer than three persons");
 }
 
 void OutlierOptions::Declare(OptionVisitor& v) {
   v.Bool("enabled", enabled, "report clips whose jerk, speed, length, ... is an outlier of their class");
   v.Number("deviations", deviations, Unit::kNone, {1.0, 1e6},
            "robust standard deviations from the median of the class");
-  v.Integer("least_clips", least_clips, {3.0, 1e6}, "classes with fewer clips are compared with the whole set");
 }
 
 void AuditOptions::Declare(OptionVisitor& v) {
   v.Text("split", split, "split of the nearest-neighbour baseline; empty: the first");
-  v.Integer("nearest_neighbour_frames", nearest_neighbour_frames, {2.0, 1000.0},
-            "frames that each clip is resampled to before distances are computed");
   v.Group("labels", labels, "search for label errors");
   v.Group("outliers", outliers, "search for outliers of a class");
   v.Number("repeated_distance", repeated_distance_m, Unit::kMetre, {1e-6, 1.0},

@@ -21,18 +21,12 @@ enum class TrimRule {
   kByExample,     ///< spans similar to marked ones
 };
 
-/// MultiAct's samples [previous action, transition, action] (canon/recipes/action_triples.h). Numbers of frames are
-/// those of a sample; the defaults are the released code's (multiact.md A.3).
+/// MultiAct's samples [previous action, transition, action] (canon/recipes/action_triples.h).
 struct TripleOptions {
   double rate_hz = 20.0;  ///< of samples: every n-th recorded frame, n rounded down
   std::string transition = "transition";
-  double transition_share =
-      0.1;                      ///< share of each neighbour that a transition includes, doubled where none is labelled
-  std::int64_t most_taken = 5;  ///< maximum frames of each neighbour that a transition includes, doubled as above
-  std::int64_t extra_frames = 3;  ///< frames after the label that the action includes
-  std::int64_t least_frames = 20;
+  std::int64_t least_frames = 20;  ///< of a sample
   std::int64_t most_frames = 120;
-  std::int64_t least_part = 3;  ///< frames of each part
   std::int64_t context = 4;  ///< last frames of the previous action in the network's input: the action needs one more
 
   void Declare(OptionVisitor& v);
@@ -77,9 +71,8 @@ struct TrimOptions {
   TrimRule rule = TrimRule::kNone;
   double still_speed = 0.15;   ///< m/s of the fastest joint, below which a frame is still
   double moving_speed = 0.15;  ///< m/s that a movement must reach; smaller values than still_speed count as still_speed
-  double speed_window_s = 0.4;  ///< window for the slope of a joint's path, its speed
-  double margin_s = 0.2;        ///< kept before the first and after the last moving frame
-  double min_length_s = 0.25;   ///< shorter clips are dropped
+  double margin_s = 0.2;       ///< kept before the first and after the last moving frame
+  double min_length_s = 0.25;  ///< shorter clips are dropped
   std::vector<std::string> drop_labels;
   /// Spans of clips (canon/recipes/spans_file.h), in place of their annotated segments; empty: none. The file is an
   /// input of the stage `canon`.
@@ -145,10 +138,6 @@ enum class LevelOf { kSet, kSession, kView, kPerson, kClip };
 struct LevelOptions {
   FloorRule rule = FloorRule::kNone;
   LevelOf of = LevelOf::kSet;
-  double height_sigma = 0.03;     ///< metres, of a standing foot's height: a tracker's noise and people's ankles
-  double body_sigma = 0.07;       ///< radians, of a standing person's axis around the vertical and the common lean
-  double lean_sigma = 0.05;       ///< radians, prior of the common lean
-  std::int64_t most_clips = 300;  ///< maximum for estimating the floor, drawn by hash of their ids
 
   void Declare(OptionVisitor& v);
 };
@@ -226,17 +215,9 @@ struct AssembleOptions {
 /// draws each: docs/audited_sets.md.
 struct LabelNoiseOptions {
   bool enabled = true;
-  std::int64_t frames = 32;        ///< that a clip is resampled to
-  double velocity_weight = 3.0;    ///< weight of time differences relative to positions
-  double width = 1.0;              ///< exponent at the median squared distance of two clips
-  double ridge = 0.1;              ///< added to the kernel's diagonal of ones
   double other_share = 0.7;        ///< share of a class's mean own score that a clip of another class must reach
   double own_share = 0.25;         ///< share of its own class's mean own score that it must stay below
-  double none_share = 0.15;        ///< share of every class's mean own score that a clip of no class stays below
-  double least_usual = 0.05;       ///< classes with a smaller mean own score are not judged
   std::int64_t most_clips = 4000;  ///< maximum training clips of a fold
-  std::int64_t most_folds = 10;    ///< maximum for distributing persons
-  std::int64_t drawn_folds = 5;    ///< of clips, where there are fewer than three persons
 
   void Declare(OptionVisitor& v);
 };
@@ -244,15 +225,13 @@ struct LabelNoiseOptions {
 /// Which measures of a clip are reported as outliers of its class (canon/audit/clip_measures.h).
 struct OutlierOptions {
   bool enabled = true;
-  double deviations = 8.0;       ///< robust standard deviations from the median
-  std::int64_t least_clips = 8;  ///< smaller classes are compared with the whole set
+  double deviations = 8.0;  ///< robust standard deviations from the median
 
   void Declare(OptionVisitor& v);
 };
 
 struct AuditOptions {
   std::string split;  ///< of the nearest-neighbour baseline; empty: the first one
-  std::int64_t nearest_neighbour_frames = 32;
   LabelNoiseOptions labels;
   OutlierOptions outliers;
   double repeated_distance_m = 0.004;  ///< of two clips (FindDuplicates), below which they have the same motion

@@ -14,6 +14,8 @@
 namespace mocurate {
 namespace {
 
+constexpr std::size_t kMostOfFloor = 300;  // clips that a floor is estimated from, drawn by hash of their ids
+
 /// Names by which a table of spans may refer to a clip: its item (source/person/recording), the recording, its id.
 std::vector<std::string> NamesOf(const ClipRecord& clip) {
   const nlohmann::json summary = clip.evidence.summary;
@@ -227,7 +229,7 @@ std::vector<ItemSpec> LevelItems(const std::vector<ClipRecord>& clips, const Lev
   for (const auto& [group, members] : groups) {
     ItemSpec item{group, OptionsToJson(options), {}};
     for (const auto& [hash, clip] : members) {
-      if (static_cast<std::int64_t>(item.inputs.size()) == options.most_clips) break;
+      if (item.inputs.size() == kMostOfFloor) break;
       item.inputs.push_back(InputFrom("motion", clip->motion));
     }
     items.push_back(std::move(item));

@@ -14,7 +14,8 @@ namespace mocurate {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpeedShare = 0.99;  ///< percentile of the frame speeds that is the top speed
+constexpr std::size_t kLeastClips = 8;  ///< smaller classes are compared with the whole set
+constexpr double kSpeedShare = 0.99;    ///< percentile of the frame speeds that is the top speed
 
 /// Speed of the fastest joint in m/s, the 99th percentile over frames: other checks find single jumps.
 double TopSpeed(const Clip& clip) {
@@ -90,7 +91,6 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
                                        const OutlierOptions& options) {
   std::vector<AuditFinding> findings;
   if (!options.enabled) return findings;
-  const auto least = static_cast<std::size_t>(options.least_clips);
   std::vector<double> worst(dataset.clips.size(), options.deviations);
   std::vector<AuditFinding> of_clip(dataset.clips.size());
   for (std::size_t k = 0; k < MeasuresOfClips().size(); ++k) {
@@ -104,12 +104,12 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       of_class[dataset.clips[i].label].push_back(scaled(measures[i][k]));
       all.push_back(scaled(measures[i][k]));
     }
-    if (all.size() < least) continue;
+    if (all.size() < kLeastClips) continue;
     const double least_spread = kind.side < 0 ? kLeastSpreadOfShares : kLeastSpread;
     const Usual of_set = UsualOf(all, least_spread);
     std::map<std::string, Usual> usual;
     for (const auto& [label, values] : of_class)
-      usual[label] = values.size() < least ? of_set : UsualOf(values, least_spread);
+      usual[label] = values.size() < kLeastClips ? of_set : UsualOf(values, least_spread);
     for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
       const Clip& clip = dataset.clips[i];
       if (!has(measures[i][k])) continue;
@@ -119,7 +119,7 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       if (away <= worst[i]) continue;
       worst[i] = away;
       const double median = kind.side < 0 ? own.median : std::max(0.0, std::exp(own.median) - kind.grain);
-      const bool by_class = of_class.at(clip.label).size() >= least;
+      const bool by_class = of_class.at(clip.label).size() >= kLeastClips;
       const std::string unit = *kind.unit == '\0' ? "" : std::string(" ") + kind.unit;
       AuditFinding& found = of_clip[i];
       found.finding.clip = clip.id();

@@ -28,7 +28,7 @@ std::vector<std::vector<double>> MeasureClips(const Dataset& dataset);
 
 /// "outlier" (info): clips with a measure further from the median of its class than `options.deviations` robust
 /// standard deviations. Measures without an upper bound are compared on a logarithmic scale above their grain. Listed
-/// is the worst measure of a clip, the furthest clips first. Classes of fewer than `options.least_clips` are compared
+/// is the worst measure of a clip, the furthest clips first. Classes of fewer than eight are compared
 /// with the whole set.
 std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
                                        const OutlierOptions& options);

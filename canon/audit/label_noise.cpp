@@ -14,6 +14,15 @@
 namespace mocurate {
 namespace {
 
+constexpr int kFrames = 32;               // that a clip is resampled to
+constexpr double kVelocityWeight = 3.0;   // of time differences relative to positions
+constexpr double kWidth = 1.0;            // exponent at the median squared distance of two clips
+constexpr double kRidge = 0.1;            // added to the kernel's diagonal of ones
+constexpr double kNoneShare = 0.15;       // of every class's mean own score that a clip of no class stays below
+constexpr double kLeastUsual = 0.05;      // classes with a smaller mean own score are not judged
+constexpr std::size_t kMostFolds = 10;    // for distributing persons
+constexpr std::uint64_t kDrawnFolds = 5;  // of clips, where there are fewer than three persons
+
 /// Sum of the bone lengths in the middle frame.
 double SizeOf(const Motion& motion) {
   const int frame = motion.frame_count() / 2;
@@ -60,12 +69,12 @@ double MedianDistance(const Eigen::MatrixXf& descriptors) {
 
 }  // namespace
 
-Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& options) {
+Eigen::VectorXf LabelDescriptor(const Motion& motion) {
   Motion positions;
   positions.skeleton = motion.skeleton;
   positions.rate = motion.rate;
   positions.joints = motion.joints;
-  const int T = static_cast<int>(options.frames), J = motion.joint_count();
+  const int T = kFrames, J = motion.joint_count();
   const Motion sampled = ResampleToCount(positions, T);
   const double size = std::max(1e-6, SizeOf(motion));
   const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions());
@@ -85,19 +94,19 @@ Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& o
   descriptor.head(places) =
       Eigen::Map<const Eigen::VectorXf>(frames.data(), places) / std::sqrt(static_cast<float>(places));
   const Eigen::MatrixXf differences = frames.rightCols(T - 1) - frames.leftCols(T - 1);
-  descriptor.tail(steps) = static_cast<float>(options.velocity_weight / std::sqrt(static_cast<double>(steps))) *
+  descriptor.tail(steps) = static_cast<float>(kVelocityWeight / std::sqrt(static_cast<double>(steps))) *
                            Eigen::Map<const Eigen::VectorXf>(differences.data(), steps);
   return descriptor;
 }
 
-std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows, const LabelNoiseOptions& options) {
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows) {
   std::map<std::string, int> persons;
   for (const int row : rows) persons.emplace(dataset.clips[static_cast<std::size_t>(row)].identity.person, 0);
   std::vector<int> folds;
   if (persons.size() < 3) {
     for (const int row : rows) {
       Random random(0, "audit.fold", dataset.clips[static_cast<std::size_t>(row)].id());
-      folds.push_back(static_cast<int>(random.Below(static_cast<std::uint64_t>(options.drawn_folds))));
+      folds.push_back(static_cast<int>(random.Below(kDrawnFolds)));
     }
     return folds;
   }
@@ -106,17 +115,15 @@ std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& r
     order.emplace_back(Random(0, "audit.fold", person).Next(), person);
   }
   std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    persons[order[i].second] = static_cast<int>(i % static_cast<std::size_t>(options.most_folds));
+  for (std::size_t i = 0; i < order.size(); ++i) persons[order[i].second] = static_cast<int>(i % kMostFolds);
   for (const int row : rows) folds.push_back(persons[dataset.clips[static_cast<std::size_t>(row)].identity.person]);
   return folds;
 }
 
-Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
-                                          const std::vector<int>& folds, int classes,
-                                          const LabelNoiseOptions& options) {
+Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
+                                const std::vector<int>& folds, int classes, const LabelNoiseOptions& options) {
   const auto N = static_cast<int>(labels.size());
-  const auto scale = static_cast<float>(-options.width / MedianDistance(descriptors));
+  const auto scale = static_cast<float>(-kWidth / MedianDistance(descriptors));
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(N, classes);
   for (int fold = 0; fold <= *std::max_element(folds.begin(), folds.end()); ++fold) {
     std::vector<int> train, judged;
@@ -131,16 +138,12 @@ Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, co
     }
     const Eigen::MatrixXf known = ColumnsOf(descriptors, train);
     Eigen::MatrixXd kernel = (SquaredDistances(known, known) * scale).array().exp().matrix().cast<double>();
-    kernel.diagonal().array() += options.ridge;
+    kernel.diagonal().array() += kRidge;
     Eigen::MatrixXd targets = Eigen::MatrixXd::Zero(kernel.rows(), classes);
     for (std::size_t i = 0; i < train.size(); ++i) {
       targets(static_cast<Eigen::Index>(i), labels[static_cast<std::size_t>(train[i])]) = 1.0;
     }
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(kernel);
-    if (solver.info() != Eigen::Success) {
-      return Fail(ErrorCode::kConfig, "the kernel of the clips cannot be inverted", "audit.labels.ridge",
-                  "raise it; the value is " + RoundedText(options.ridge, 3));
-    }
     const Eigen::MatrixXd weights = solver.solve(targets);
     const Eigen::MatrixXf towards = (SquaredDistances(ColumnsOf(descriptors, judged), known) * scale).array().exp();
     const Eigen::MatrixXd answers = towards.cast<double>() * weights;
@@ -161,7 +164,7 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
   std::vector<bool> known(usual.size());
   for (std::size_t c = 0; c < usual.size(); ++c) {
     usual[c] /= std::max(1.0, count[c]);
-    known[c] = count[c] > 0.0 && usual[c] >= options.least_usual && (judged_classes.empty() || judged_classes[c]);
+    known[c] = count[c] > 0.0 && usual[c] >= kLeastUsual && (judged_classes.empty() || judged_classes[c]);
   }
   std::vector<JudgedLabel> judged;
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -170,7 +173,7 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
     one.fits_none = known[static_cast<std::size_t>(labels[i])];
     for (int c = 0; c < classes; ++c) {
       const auto at = static_cast<std::size_t>(c);
-      if (known[at] && row[c] >= options.none_share * usual[at]) one.fits_none = false;
+      if (known[at] && row[c] >= kNoneShare * usual[at]) one.fits_none = false;
       const bool other = c != labels[i] && known[static_cast<std::size_t>(c)];
       if (other && (one.suggested < 0 || row[c] > row[one.suggested])) one.suggested = c;
     }
@@ -185,7 +188,7 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
   return judged;
 }
 
-Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options) {
+LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options) {
   LabelAudit audit;
   std::vector<int> labels;
   std::vector<bool> there(dataset.labels.size(), false);
@@ -201,14 +204,13 @@ Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions
   Eigen::MatrixXf descriptors;
   for (std::size_t i = 0; i < audit.rows.size(); ++i) {
     const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
-    const Eigen::VectorXf one = LabelDescriptor(*clip.motion, options);
+    const Eigen::VectorXf one = LabelDescriptor(*clip.motion);
     if (i == 0) descriptors.resize(one.size(), static_cast<Eigen::Index>(audit.rows.size()));
     descriptors.col(static_cast<Eigen::Index>(i)) = one;
   }
-  const std::vector<int> folds = FoldsByPerson(dataset, audit.rows, options);
+  const std::vector<int> folds = FoldsByPerson(dataset, audit.rows);
   const auto classes = static_cast<int>(dataset.labels.size());
-  const auto scores = OutOfFoldScores(descriptors, labels, folds, classes, options);
-  if (!scores) return Forward(scores);
+  const Eigen::MatrixXd scores = OutOfFoldScores(descriptors, labels, folds, classes, options);
   // A class that occurs in one fold only is never trained when that fold is scored.
   std::vector<std::set<int>> folds_of(dataset.labels.size());
   for (std::size_t i = 0; i < labels.size(); ++i) folds_of[static_cast<std::size_t>(labels[i])].insert(folds[i]);
@@ -217,7 +219,7 @@ Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions
     judged[c] = folds_of[c].size() > 1;
     if (there[c] && !judged[c]) audit.unchecked.push_back(dataset.labels[c]);
   }
-  audit.judged = JudgeLabels(*scores, labels, options, judged);
+  audit.judged = JudgeLabels(scores, labels, options, judged);
   return audit;
 }
 

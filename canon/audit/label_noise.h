@@ -11,33 +11,32 @@
 namespace mocurate {
 
 /// Descriptor (D) of a clip for the kernel classifier: joints relative to the root of each frame and the root's path,
-/// without the heading of the first frame, divided by the skeleton's size, resampled to `frames`; and their time
-/// differences times `velocity_weight`. The heading is that of the hips where the skeleton names them.
-Eigen::VectorXf LabelDescriptor(const Motion& motion, const LabelNoiseOptions& options);
+/// without the heading of the first frame, divided by the skeleton's size, resampled; and their weighted time
+/// differences. The heading is that of the hips where the skeleton names them.
+Eigen::VectorXf LabelDescriptor(const Motion& motion);
 
-/// Folds of clips, no person in two: persons are distributed over at most `most_folds`. With fewer than three persons,
-/// clips are drawn into `drawn_folds`. (N)
-std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows,
-                               const LabelNoiseOptions& options = {});
+/// Folds of clips, no person in two: persons are distributed over at most ten. With fewer than three persons,
+/// clips are drawn into five. (N)
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows);
 
 /// Scores (N,C) of each clip by a classifier trained without its fold: kernel ridge regression on one-hot classes. The
-/// kernel is Gaussian in the descriptors (D,N), its width `width` in medians of their distance. At most `most_clips`
-/// training clips are used, drawn at random. `labels` (N) are classes 0 to C-1. Error kConfig for a ridge too small.
-Expected<Eigen::MatrixXd> OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
-                                          const std::vector<int>& folds, int classes, const LabelNoiseOptions& options);
+/// kernel is Gaussian in the descriptors (D,N), its width the median of their distance. At most `most_clips`
+/// training clips are used, drawn at random. `labels` (N) are classes 0 to C-1.
+Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
+                                const std::vector<int>& folds, int classes, const LabelNoiseOptions& options);
 
 /// Whether the label of a clip is suspect, and by how much.
 struct JudgedLabel {
   double margin = 0.0;  ///< score of its own class minus the best other one; sorted ascending
   int suggested = -1;   ///< that other class
   bool suspect = false;
-  bool fits_none = false;  ///< every class scores less than `none_share` of its mean own score
+  bool fits_none = false;  ///< every class scores less than 15 % of its mean own score
 };
 
 /// Confident learning (Northcutt et al. 2021) with margins. A label is suspect where the best other class reaches
 /// `other_share` of its mean own score, and the own class stays below `own_share` of its mean own score. `scores` (N,C)
 /// are out of fold, from this classifier or another. Classes outside `judged_classes` (empty: all classes are judged),
-/// or with a mean own score below `least_usual`, are neither suspected nor suggested.
+/// or with a mean own score below 0.05, are neither suspected nor suggested.
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
                                      const LabelNoiseOptions& options, const std::vector<bool>& judged_classes = {});
 
@@ -48,7 +47,7 @@ struct LabelAudit {
   std::vector<JudgedLabel> judged;     ///< of each
   std::vector<std::string> unchecked;  ///< classes performed by a single person
 };
-Expected<LabelAudit> AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options);
+LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options);
 /// The same from another classifier's logits, their mean over passes. Error kInconsistent where the features match no
 /// clip of the dataset, or none of its labels.
 Expected<LabelAudit> AuditLabelsBy(const FeatureSet& features, const Dataset& dataset,

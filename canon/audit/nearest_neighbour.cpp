@@ -7,9 +7,12 @@
 namespace mocurate {
 namespace {
 
-Eigen::VectorXd Descriptor(const Motion& motion, int frames) {
-  const Motion sampled = ResampleToCount(motion, frames);
-  Eigen::Map<const Eigen::Matrix3Xd> points(sampled.joints.xyz.data(), 3, Eigen::Index{frames} * sampled.joint_count());
+constexpr int kFramesOfNeighbour = 32;  // that clips are resampled to
+
+Eigen::VectorXd Descriptor(const Motion& motion) {
+  const Motion sampled = ResampleToCount(motion, kFramesOfNeighbour);
+  Eigen::Map<const Eigen::Matrix3Xd> points(sampled.joints.xyz.data(), 3,
+                                            Eigen::Index{kFramesOfNeighbour} * sampled.joint_count());
   const Vector3d root = sampled.joints.at(0, 0);
   Eigen::Matrix3Xd centred = points.colwise() - root;
   const double extent = (centred.rowwise().maxCoeff() - centred.rowwise().minCoeff()).maxCoeff();
@@ -19,16 +22,16 @@ Eigen::VectorXd Descriptor(const Motion& motion, int frames) {
 
 }  // namespace
 
-NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split, int frames) {
+NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split) {
   std::vector<Eigen::VectorXd> known;
-  for (const int row : split.train) known.push_back(Descriptor(*dataset.clips[row].motion, frames));
-  for (const int row : split.validation) known.push_back(Descriptor(*dataset.clips[row].motion, frames));
+  for (const int row : split.train) known.push_back(Descriptor(*dataset.clips[row].motion));
+  for (const int row : split.validation) known.push_back(Descriptor(*dataset.clips[row].motion));
   std::vector<int> rows = split.train;
   rows.insert(rows.end(), split.validation.begin(), split.validation.end());
 
   NearestNeighbourResult result;
   for (const int row : split.test) {
-    const Eigen::VectorXd query = Descriptor(*dataset.clips[row].motion, frames);
+    const Eigen::VectorXd query = Descriptor(*dataset.clips[row].motion);
     double best = std::numeric_limits<double>::infinity();
     int nearest = -1;
     for (std::size_t i = 0; i < known.size(); ++i) {

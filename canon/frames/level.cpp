@@ -18,6 +18,9 @@ namespace {
 
 constexpr int kBodySamples = 8;        // sampled frames of a clip for its body axis, evenly spaced
 constexpr double kExtendedLeg = 0.95;  // ratio of hip-ankle distance to thigh plus shank, of a standing person
+constexpr double kHeightSigma = 0.03;  // metres, of a standing foot's height: a tracker's noise and people's ankles
+constexpr double kBodySigma = 0.07;    // radians, of a standing person's axis around the vertical and the common lean
+constexpr double kLeanSigma = 0.05;    // radians, prior of the common lean
 constexpr int kIterations = 4;         // of rotating by the estimate and solving for the remainder
 constexpr double kConverged = 1e-5;    // radians
 
@@ -115,7 +118,7 @@ FloorSolution SolveFloor(const LevelOptions& options, const std::vector<Standing
   bool first = true;
   for (int pass = 0; pass < 5; ++pass, first = false) {
     FloorEquations equations;
-    equations.Add(FloorRow(0, 0, 1, 0), 0.0, options.lean_sigma, 1.0);
+    equations.Add(FloorRow(0, 0, 1, 0), 0.0, kLeanSigma, 1.0);
     double squares = 0.0, weights = 0.0;
     const auto add = [&](const FloorRow& row, double value, double sigma, double weight) {
       const double residual = row.dot(solution.value) - value;
@@ -126,12 +129,12 @@ FloorSolution SolveFloor(const LevelOptions& options, const std::vector<Standing
     };
     for (const StandingClip& clip : clips) {
       for (const Vector3d& foot : clip.feet) {
-        add(FloorRow(foot.x(), foot.z(), 0, -1), -foot.y(), options.height_sigma, 1.0);
+        add(FloorRow(foot.x(), foot.z(), 0, -1), -foot.y(), kHeightSigma, 1.0);
       }
       if (options.rule == FloorRule::kHeight) continue;
       for (const UprightSample& body : clip.body) {
-        add(FloorRow(1, 0, body.forward.x(), 0), body.axis.x() / body.axis.y(), options.body_sigma, body.weight);
-        add(FloorRow(0, 1, body.forward.z(), 0), body.axis.z() / body.axis.y(), options.body_sigma, body.weight);
+        add(FloorRow(1, 0, body.forward.x(), 0), body.axis.x() / body.axis.y(), kBodySigma, body.weight);
+        add(FloorRow(0, 1, body.forward.z(), 0), body.axis.z() / body.axis.y(), kBodySigma, body.weight);
       }
     }
     if (options.rule == FloorRule::kHeight) {

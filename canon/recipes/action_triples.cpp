@@ -10,6 +10,12 @@
 namespace mocurate {
 namespace {
 
+// As the released code (multiact.md A.3); frames of a sample.
+constexpr double kTransitionShare = 0.1;  // of each neighbour that a transition includes
+constexpr double kMostTaken = 5.0;        // maximum frames of each neighbour that a transition includes
+constexpr int kExtraFrames = 3;           // after the label that the action includes, where they exist
+constexpr int kLeastPart = 3;             // frames of each part
+
 /// A segment in frames of the recording.
 struct LabelledSpan {
   std::string label;
@@ -65,14 +71,14 @@ Finding RejectedTriple(const char* code, const LabelledSpan& a, const LabelledSp
 std::vector<ActionTriple> FindTriples(const TripleOptions& options, const std::vector<Segment>& segments,
                                       FrameRate rate, int frames, std::vector<Finding>& findings) {
   const int step = std::max(1, static_cast<int>(std::round(rate.hz()) / options.rate_hz));
-  const int most = static_cast<int>(options.most_frames), extra = static_cast<int>(options.extra_frames);
+  const int most = static_cast<int>(options.most_frames);
   const std::vector<LabelledSpan> spans = SpansInFrames(segments, rate);
   std::vector<ActionTriple> triples;
   const auto add = [&](const LabelledSpan& a, const LabelledSpan& b, RecordedParts parts) {
     const auto reject = [&](const char* code, int count, const std::string& rule) {
       findings.push_back(RejectedTriple(code, a, b, count, rule));
     };
-    if (frames - b.end >= 3 && parts.all() < (most - 1 - extra) * step) parts.current += extra * step;
+    if (frames - b.end >= 3 && parts.all() < (most - 1 - kExtraFrames) * step) parts.current += kExtraFrames * step;
     if (parts.all() >= (most - 1) * step) {
       reject("triple_too_long", parts.all() / step, "trim.triples.most_frames is " + std::to_string(most));
       return;
@@ -83,38 +89,38 @@ std::vector<ActionTriple> FindTriples(const TripleOptions& options, const std::v
     triple.previous_frames = parts.previous / step + 1;
     triple.transition_frames = (parts.previous + parts.transition) / step - parts.previous / step;
     triple.current_frames = taken - triple.previous_frames - triple.transition_frames;
-    const int least_part = static_cast<int>(options.least_part), least_previous = static_cast<int>(options.context) + 1;
+    const int least_previous = static_cast<int>(options.context) + 1;
     const int shortest = std::min({triple.previous_frames, triple.transition_frames, triple.current_frames});
     if (taken >= most) {
       reject("triple_too_long", taken, "trim.triples.most_frames is " + std::to_string(most));
     } else if (taken <= options.least_frames) {
       reject("triple_too_short", taken,
              "trim.triples.least_frames is " + std::to_string(options.least_frames) + ", a sample needs more");
-    } else if (shortest < least_part || triple.previous_frames < least_previous) {
+    } else if (shortest < kLeastPart || triple.previous_frames < least_previous) {
       reject("triple_too_short", taken,
              "with parts of " + std::to_string(triple.previous_frames) + ", " +
                  std::to_string(triple.transition_frames) + " and " + std::to_string(triple.current_frames) +
-                 " frames; the minimum is " + std::to_string(least_previous) + ", " + std::to_string(least_part) +
-                 " and " + std::to_string(least_part));
+                 " frames; the minimum is " + std::to_string(least_previous) + ", " + std::to_string(kLeastPart) +
+                 " and " + std::to_string(kLeastPart));
     } else {
       triples.push_back(std::move(triple));
     }
   };
-  const double share = options.transition_share, longest = static_cast<double>(options.most_taken);
   const auto is_transition = [&](const LabelledSpan& span) { return span.label == options.transition; };
   for (const LabelledSpan& a : spans) {
     if (is_transition(a)) continue;
     for (const LabelledSpan& next : spans) {
       if (next.begin != a.end) continue;
       if (!is_transition(next)) {
-        const int of_a = TakenFrames(a.frames(), 2.0 * share, 2.0 * longest, step);
-        const int of_b = TakenFrames(next.frames(), 2.0 * share, 2.0 * longest, step);
+        const int of_a = TakenFrames(a.frames(), 2.0 * kTransitionShare, 2.0 * kMostTaken, step);
+        const int of_b = TakenFrames(next.frames(), 2.0 * kTransitionShare, 2.0 * kMostTaken, step);
         add(a, next, {a.frames() - of_a, of_a + of_b, next.frames() - of_b});
         continue;
       }
       for (const LabelledSpan& b : spans) {
         if (b.begin != next.end || is_transition(b)) continue;
-        const int of_each = TakenFrames(a.frames(), share, longest, step);  // of b as of a (multiact.md H11)
+        const int of_each =
+            TakenFrames(a.frames(), kTransitionShare, kMostTaken, step);  // of b as of a (multiact.md H11)
         add(a, b, {a.frames() - of_each, next.frames() + 2 * of_each, b.frames() - of_each});
       }
     }

@@ -12,7 +12,6 @@ namespace mocurate {
 namespace {
 
 constexpr Eigen::Index kXyz = 3;
-constexpr double kSpeedWindowS = 0.4;
 
 /// Joints in the world at `time_s`, (3 J).
 void SampleJoints(const Motion& motion, double time_s, double sigma_s, Eigen::Ref<Eigen::RowVectorXd> sample) {
@@ -62,7 +61,7 @@ BodyDescription DescribeBody(const Motion& motion, double rate_hz, double smooth
     const Eigen::RowVectorXd step = (body.pose.row(after) - body.pose.row(before)) * (rate_hz / (after - before));
     for (int j = 0; j < joints; ++j) body.speed(s, j) = step.segment<3>(kXyz * j).norm();
   }
-  const std::vector<double> movement = FrameSpeeds(motion, kSpeedWindowS);
+  const std::vector<double> movement = FrameSpeeds(motion, kSpeedWindow_s);
   for (int s = 0; s < samples; ++s) {
     const auto frame = static_cast<std::size_t>(std::lround(s / rate_hz * motion.rate.hz()));
     body.movement(s) = movement[std::min(frame, movement.size() - 1)];

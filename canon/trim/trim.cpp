@@ -73,7 +73,7 @@ std::string SpeedLimit(const TrimOptions& options) {
 
 std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
-  const std::vector<double> speeds = FrameSpeeds(motion, options.speed_window_s);
+  const std::vector<double> speeds = FrameSpeeds(motion, kSpeedWindow_s);
   const double moving_speed = std::max(options.still_speed, options.moving_speed);
   int first = 0;
   int last = static_cast<int>(speeds.size()) - 1;

@@ -26,6 +26,9 @@ bool EstimatesCuts(TrimRule rule);
 /// often, each with all of them.
 Status CheckOverlap(const Clip& clip, const std::string& where);
 
+/// Window of FrameSpeeds: longer ones suppress more noise.
+inline constexpr double kSpeedWindow_s = 0.4;
+
 /// Speed of the fastest joint in each frame, m/s, (F): the slope of a line fitted to the joint over the `window_s`
 /// seconds around the frame, at least its two neighbours. At the ends the window is shifted inwards, so that its length
 /// is constant. White noise of s metres at F frames in the window changes the slope by about 3.5 s / (window_s

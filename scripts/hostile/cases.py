@@ -317,7 +317,7 @@ def _(box):
         record.unlink()
         os.mkfifo(record)
     box.call("cache", "verify", codes={0, 1, 3})
-    box.call("audit", dataset, "--set", "labels.ridge=0.2")
+    box.call("audit", dataset, "--set", "labels.own_share=0.2")
 
 
 @case("cache-deep-record", "records nested 400,000 deep", READ)

@@ -47,7 +47,7 @@ FoundBoundaries ByChangePoints(const Motion& motion) {
 
 /// Times at which the fastest joint crosses a speed and stays on that side for 0.3 s.
 FoundBoundaries BySpeed(const Motion& motion, double speed) {
-  const std::vector<double> speeds = FrameSpeeds(motion, TrimOptions().speed_window_s);
+  const std::vector<double> speeds = FrameSpeeds(motion, kSpeedWindow_s);
   const int least = std::max(1, static_cast<int>(std::lround(0.3 * motion.rate.hz())));
   FoundBoundaries found;
   bool moving = !speeds.empty() && speeds[0] >= speed;
@@ -65,7 +65,7 @@ FoundBoundaries BySpeed(const Motion& motion, double speed) {
 /// The middle of each stillness of at least 0.3 s within the recording.
 FoundBoundaries ByStillness(const Motion& motion, double speed) {
   const FoundBoundaries passes = BySpeed(motion, speed);
-  const std::vector<double> speeds = FrameSpeeds(motion, TrimOptions().speed_window_s);
+  const std::vector<double> speeds = FrameSpeeds(motion, kSpeedWindow_s);
   FoundBoundaries found;
   for (std::size_t i = 0; i + 1 < passes.times_s.size(); ++i) {
     const auto frame = static_cast<std::size_t>(std::lround(passes.times_s[i] * motion.rate.hz()));

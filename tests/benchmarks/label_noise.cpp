@@ -54,9 +54,7 @@ int main(int argc, char** argv) {
       const std::uint64_t other = (own + 1 + random.Below(changed.labels.size() - 1)) % changed.labels.size();
       changed.clips[row].label = changed.labels[static_cast<std::size_t>(other)];
     }
-    const Expected<LabelAudit> judged = AuditLabels(changed, LabelNoiseOptions());
-    if (!judged) return 3;
-    const LabelAudit& audit = *judged;
+    const LabelAudit audit = AuditLabels(changed, LabelNoiseOptions());
     for (std::size_t i = 0; i < audit.rows.size(); ++i) {
       pooled.push_back(
           {audit.judged[i].margin, planted[static_cast<std::size_t>(audit.rows[i])], audit.judged[i].suspect});

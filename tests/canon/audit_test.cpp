@@ -60,7 +60,7 @@ std::size_t CountOf(const std::vector<AuditFinding>& findings, const std::string
 
 TEST(AuditOfLabels, ExchangedLabelsAreFoundWithTheirClassAndOthersAreNot) {
   Dataset dataset = WavingSet();
-  const LabelAudit sound = *AuditLabels(dataset, LabelNoiseOptions());
+  const LabelAudit sound = AuditLabels(dataset, LabelNoiseOptions());
   ASSERT_EQ(sound.judged.size(), dataset.clips.size());
   EXPECT_TRUE(
       std::none_of(sound.judged.begin(), sound.judged.end(), [](const JudgedLabel& one) { return one.suspect; }));
@@ -69,7 +69,7 @@ TEST(AuditOfLabels, ExchangedLabelsAreFoundWithTheirClassAndOthersAreNot) {
     truth[row] = dataset.clips[row].label;
     dataset.clips[row].label = truth[row] == "c" ? "a" : "c";
   }
-  const LabelAudit audit = *AuditLabels(dataset, LabelNoiseOptions());
+  const LabelAudit audit = AuditLabels(dataset, LabelNoiseOptions());
   for (std::size_t i = 0; i < audit.judged.size(); ++i) {
     const auto planted = truth.find(static_cast<std::size_t>(audit.rows[i]));
     EXPECT_EQ(audit.judged[i].suspect, planted != truth.end()) << dataset.clips[i].id();
@@ -92,15 +92,15 @@ TEST(AuditOfLabels, FoldsKeepPersonsTogetherAndWhatCannotBeComparedIsNot) {
   EXPECT_EQ(std::set<int>(fold.begin(), fold.end()).size(), 4u);
   Dataset one_class = dataset;
   for (Clip& clip : one_class.clips) clip.label = "a";
-  EXPECT_TRUE(AuditLabels(one_class, LabelNoiseOptions())->rows.empty());
+  EXPECT_TRUE(AuditLabels(one_class, LabelNoiseOptions()).rows.empty());
   Dataset alone = dataset;  // of one person the clips themselves are folded
   for (Clip& clip : alone.clips) clip.identity.person = "p";
   const std::vector<int> of_clips = FoldsByPerson(alone, rows);
   EXPECT_EQ(std::set<int>(of_clips.begin(), of_clips.end()).size(), 5u);
-  EXPECT_EQ(AuditLabels(alone, LabelNoiseOptions())->rows.size(), alone.clips.size());
+  EXPECT_EQ(AuditLabels(alone, LabelNoiseOptions()).rows.size(), alone.clips.size());
   LabelNoiseOptions few;  // learning from drawn clips alone judges all
   few.most_clips = 20;
-  const LabelAudit drawn = *AuditLabels(dataset, few), all = *AuditLabels(dataset, LabelNoiseOptions());
+  const LabelAudit drawn = AuditLabels(dataset, few), all = AuditLabels(dataset, LabelNoiseOptions());
   ASSERT_EQ(drawn.judged.size(), dataset.clips.size());
   EXPECT_NE(drawn.judged[0].margin, all.judged[0].margin);
   Dataset own_class = dataset;  // of one person alone: no other fold has it
@@ -108,7 +108,7 @@ TEST(AuditOfLabels, FoldsKeepPersonsTogetherAndWhatCannotBeComparedIsNot) {
   for (Clip& clip : own_class.clips) {
     if (clip.identity.person == "p1" && clip.label == "c") clip.label = "d";
   }
-  const LabelAudit unchecked = *AuditLabels(own_class, LabelNoiseOptions());
+  const LabelAudit unchecked = AuditLabels(own_class, LabelNoiseOptions());
   EXPECT_EQ(unchecked.unchecked, std::vector<std::string>{"d"});
   for (std::size_t i = 0; i < unchecked.judged.size(); ++i) {
     EXPECT_FALSE(unchecked.judged[i].suspect) << own_class.clips[i].id();

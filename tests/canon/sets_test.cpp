@@ -345,7 +345,7 @@ TEST(NearestNeighbour, RecognisesMotionsThatDiffer) {
   Split split;
   split.train = {0, 1};
   split.test = {2, 3};
-  const auto result = NearestNeighbour(dataset, split, 32);
+  const auto result = NearestNeighbour(dataset, split);
   EXPECT_EQ(result.correct, 2);
   EXPECT_EQ(result.count, 2);
 }
