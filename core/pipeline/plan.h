@@ -27,8 +27,8 @@ struct PlanHead {
   std::size_t tasks = 0;
 };
 
-/// The missing items of one stage, cut into tasks. JSON with a line per item; its first line has the offsets of two
-/// indices (items, options) of fixed width, so that a task reads its own items alone, however many there are.
+/// The missing items of one stage, cut into tasks. JSON with the head on its first line, and a line per task, so that a
+/// task parses its own items alone, however many there are.
 class Plan {
  public:
   /// Writes `items`, whose inputs have their hashes; task k has the items from ends[k - 1] to ends[k]. `head.items` and
@@ -47,9 +47,6 @@ class Plan {
  private:
   std::filesystem::path file_;
   PlanHead head_;
-  std::uint64_t item_index_ = 0;    ///< offsets in the file
-  std::uint64_t option_index_ = 0;  ///< likewise
-  std::uint64_t task_index_ = 0;    ///< likewise
 };
 
 /// Ends of tasks of about equal cost: task k has the items from ends[k - 1] to ends[k]. At most `tasks`, none empty.

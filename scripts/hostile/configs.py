@@ -504,10 +504,10 @@ def _(box):
 @case("N1-plan", "escape sequences in a plan", NOT_READ)
 def _(box):
     plan = box.plan()
-    shifted_plan(plan, lambda head: head.update(config="x" + ESCAPES, arguments=["a=" + ESCAPES]))
+    changed_plan(plan, lambda head: head.update(config="x" + ESCAPES, arguments=["a=" + ESCAPES]))
     run_tasks(box, plan)
     plan = box.out / "rr" / "plan" / "ingest.json"
-    shifted_plan(plan, lambda head: head.update(stage="x" + ESCAPES))
+    changed_plan(plan, lambda head: head.update(stage="x" + ESCAPES))
     run_tasks(box, plan)
 
 

@@ -403,21 +403,15 @@ def _(box):
     plan = box.plan()
     kept = plan.read_bytes()
     first, rest = kept.split(b"\n", 1)
-    for text in deep_variants(json.loads(first.rstrip(b",") + b"}")):
-        plan.write_bytes(text.encode()[:-1] + b",\n" + rest)
+    for text in deep_variants(json.loads(first + b"]}")):
+        plan.write_bytes(text.encode()[: -len(b"]}")] + b"\n" + rest)
         run_tasks(box, plan)
-    options = kept.index(b'"options": [\n') + len(b'"options": [\n')
-    items = kept.index(b'"items": [\n') + len(b'"items": [\n')
-    offsets = kept.index(b'"item_offsets"')
-    for at, text in (
-        (options, DEEP_MAP),
-        (items, DEEP_LIST),
-        (items, '{"inputs":[["a","b","c",' + DEEP_LIST + ']],"item":"x","options":0}'),
+    for task in (
+        '{"items":[],"options":[' + DEEP_MAP + "]}",
+        '{"items":' + DEEP_LIST + ',"options":[{}]}',
+        '{"items":[{"inputs":[["a","b","c",' + DEEP_LIST + ']],"item":"x","options":0}],"options":[{}]}',
     ):
-        # The new line stands at the end, and an index points there.
-        name = b'"item_offsets": [\n' if at == items else b'"option_offsets": [\n'
-        entry = kept.index(name, offsets) + len(name)
-        plan.write_bytes(kept[:entry] + b"%16d" % len(kept) + kept[entry + 16 :] + text.encode() + b"\n")
+        plan.write_bytes(first + b"\n" + task.encode() + b"\n]}\n")
         run_tasks(box, plan)
 
 

@@ -582,33 +582,13 @@ def change_dataset(
     fields.update(more or {})
 
 
-def shifted_plan(plan, change):
-    """Changes the head of a plan, and its offsets by what the first line grows."""
+def changed_plan(plan, change):
+    """Changes the head of a plan, which is on its first line."""
     first, rest = plan.read_bytes().split(b"\n", 1)
-    head = json.loads(first.rstrip(b",") + b"}")
-    change(head["head"])
-    body = json.dumps(head["head"], separators=(",", ":")).encode()
-    before = first[: first.index(b'"head": ') + len(b'"head": ')]
-    room = len(first) - len(before) - 1
-    if len(body) <= room:
-        plan.write_bytes(before + body + b" " * (room - len(body)) + b",\n" + rest)
-        return
-    grown = len(body) - room
-    values = {key: head[key] + grown for key in ("item_index", "option_index", "task_index")}
-    before = b'{"mocurate_plan": 1, "item_index": %16d, "option_index": %16d, "task_index": %16d, "head": ' % (
-        values["item_index"],
-        values["option_index"],
-        values["task_index"],
-    )
-    lines = rest.split(b"\n")
-    out, section = [], ""
-    for line in lines:
-        if line.startswith(b'"'):
-            section = line
-        elif section.endswith(b'_offsets": [') and line[:16].strip().isdigit():
-            line = b"%16d" % (int(line[:16]) + grown) + line[16:]
-        out.append(line)
-    plan.write_bytes(before + body + b",\n" + b"\n".join(out))
+    document = json.loads(first + b"]}")
+    change(document["head"])
+    text = json.dumps(document).encode()
+    plan.write_bytes(text[: -len(b"]}")] + b"\n" + rest)
 
 
 def run_tasks(box, plan, codes=None):

@@ -67,7 +67,7 @@ TEST_F(ExchangedFiles, NestedJsonIsRefusedByEveryVerb) {
   const std::string set = Dataset(), deep = Nested();
   const std::string key = Put("key.json", R"({"kind": )" + deep + "}");
   const std::string audit = Put("audit.json", R"({"findings": [{"code": )" + deep + "}]}");
-  const std::string plan = Put("plan.json", R"({"mocurate_plan": )" + deep + ",\n");
+  const std::string plan = Put("plan.json", R"({"mocurate_plan": )" + deep + ", \"tasks\": [\n");
   const std::string network = Put("net.safetensors", Safetensors(R"({"a": )" + deep + "}"));
   const std::string cameras = Put("cameras.json", R"({"cameras": )" + deep + "}");
   Put("run/run.json", R"({"created_by": "mocurate 1", "options": {"name": )" + deep + "}}");
