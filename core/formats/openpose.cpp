@@ -11,14 +11,7 @@ namespace {
 
 using Points = std::vector<DetectedKeypoint>;
 
-struct PointList {
-  const char* key;
-  Points OpenPosePerson::*points;
-};
-constexpr PointList kLists[] = {{"pose_keypoints_2d", &OpenPosePerson::pose},
-                                {"face_keypoints_2d", &OpenPosePerson::face},
-                                {"hand_left_keypoints_2d", &OpenPosePerson::hand_left},
-                                {"hand_right_keypoints_2d", &OpenPosePerson::hand_right}};
+constexpr const char* kPose = "pose_keypoints_2d";
 
 /// Whether the point at `first` is to be skipped: one of its numbers is not finite. Counted unless its confidence is 0.
 bool HasMissingNumbers(const nlohmann::json& list, std::size_t first, OpenPoseFrame& frame) {
@@ -58,31 +51,6 @@ Expected<Points> ParsePoints(const JsonPlace& place, OpenPoseFrame& frame) {
   return points;
 }
 
-/// A number, or a list of one.
-Expected<int> PersonId(const JsonPlace& place) {
-  constexpr int kMost = 2'000'000'000;
-  if (!place.value->is_array()) return place.Integer(-1, kMost);
-  if (place.value->size() != 1) return place.Bad("one person id is expected");
-  return place.Item(0).Integer(-1, kMost);
-}
-
-Expected<OpenPosePerson> ParsePerson(const JsonPlace& place, OpenPoseFrame& frame) {
-  OpenPosePerson person;
-  if (place.Has("person_id")) {
-    const Expected<int> id = PersonId(*place.Key("person_id"));
-    if (!id) return Forward(id);
-    person.person_id = *id;
-  }
-  if (const Expected<JsonPlace> pose = place.Key(kLists[0].key); !pose) return Forward(pose);
-  for (const PointList& list : kLists) {
-    if (!place.Has(list.key)) continue;
-    Expected<Points> points = ParsePoints(*place.Key(list.key), frame);
-    if (!points) return Forward(points);
-    person.*list.points = std::move(*points);
-  }
-  return person;
-}
-
 const std::vector<std::string> kCoco17 = {"nose",          "left_eye",       "right_eye",  "left_ear",    "right_ear",
                                           "left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist",
                                           "right_wrist",   "left_hip",       "right_hip",  "left_knee",   "right_knee",
@@ -103,57 +71,39 @@ std::vector<std::string> Joined(std::initializer_list<std::vector<std::string>> 
 
 }  // namespace
 
-bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b) {
-  return a.u_px == b.u_px && a.v_px == b.v_px && a.confidence == b.confidence;
-}
-
-bool operator==(const OpenPosePerson& a, const OpenPosePerson& b) {
-  return a.person_id == b.person_id && a.pose == b.pose && a.face == b.face && a.hand_left == b.hand_left &&
-         a.hand_right == b.hand_right;
-}
-
-bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b) {
-  return a.version == b.version && a.people == b.people;
-}
-
 Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name) {
   const Expected<nlohmann::json> document = ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
   OpenPoseFrame frame;
-  if (root.Has("version")) {
-    const Expected<double> version = NumberAt(root, "version");
-    if (!version) return Forward(version);
-    frame.version = *version;
-  }
   const Expected<JsonPlace> people = root.Key("people");
   if (!people) return Forward(people);
   if (!people->value->is_array()) return people->Bad("a list of people is expected");
   for (std::size_t i = 0; i < people->value->size(); ++i) {
-    Expected<OpenPosePerson> person = ParsePerson(people->Item(i), frame);
-    if (!person) return Forward(person);
-    frame.people.push_back(std::move(*person));
+    const Expected<JsonPlace> pose = people->Item(i).Key(kPose);
+    if (!pose) return Forward(pose);
+    Expected<Points> points = ParsePoints(*pose, frame);
+    if (!points) return Forward(points);
+    frame.people.push_back({std::move(*points)});
   }
   return frame;
 }
 
 std::string WriteOpenPose(const OpenPoseFrame& frame) {
-  std::string text = "{\"version\":" + FormatDouble(frame.version) + ",\"people\":[";
+  std::string text = "{\"version\":1.3,\"people\":[";
   for (std::size_t i = 0; i < frame.people.size(); ++i) {
-    const OpenPosePerson& person = frame.people[i];
-    text += (i > 0 ? ",{" : "{") + ("\"person_id\":[" + std::to_string(person.person_id) + "]");
-    for (const PointList& list : kLists) {
-      text += ",\"" + std::string(list.key) + "\":[";
-      const Points& points = person.*list.points;
-      for (std::size_t k = 0; k < points.size(); ++k) {
-        if (k > 0) text += ',';
-        text += FormatDouble(points[k].u_px) + "," + FormatDouble(points[k].v_px) + "," +
-                FormatDouble(points[k].confidence);
-      }
-      text += ']';
+    text += (i > 0 ? ",{" : "{") + ("\"person_id\":[-1],\"" + std::string(kPose)) + "\":[";
+    const Points& points = frame.people[i].pose;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (k > 0) text += ',';
+      text +=
+          FormatDouble(points[k].u_px) + "," + FormatDouble(points[k].v_px) + "," + FormatDouble(points[k].confidence);
     }
-    for (const char* key : {"pose", "face", "hand_left", "hand_right"}) {
-      text += ",\"" + std::string(key) + "_keypoints_3d\":[]";
+    text += ']';
+    for (const char* key :
+         {"face_keypoints_2d", "hand_left_keypoints_2d", "hand_right_keypoints_2d", "pose_keypoints_3d",
+          "face_keypoints_3d", "hand_left_keypoints_3d", "hand_right_keypoints_3d"}) {
+      text += ",\"" + std::string(key) + "\":[]";
     }
     text += '}';
   }

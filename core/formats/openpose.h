@@ -19,27 +19,18 @@ struct DetectedKeypoint {
 };
 
 struct OpenPosePerson {
-  int person_id = -1;                  ///< -1: not tracked
   std::vector<DetectedKeypoint> pose;  ///< empty: a person entry without keypoints, as the artificial ones may have
-  std::vector<DetectedKeypoint> face;
-  std::vector<DetectedKeypoint> hand_left;
-  std::vector<DetectedKeypoint> hand_right;
 };
 
 /// One image of one camera. The file does not declare the layout of the points.
 struct OpenPoseFrame {
-  double version = 1.3;
   std::vector<OpenPosePerson> people;
   int uncertain_points = 0;  ///< had coordinates and the confidence 0, and are read as not detected
   int not_finite = 0;        ///< points of which a number is NaN, Infinity or null, and that are read as not detected
 };
 
-bool operator==(const DetectedKeypoint& a, const DetectedKeypoint& b);
-bool operator==(const OpenPosePerson& a, const OpenPosePerson& b);
-bool operator==(const OpenPoseFrame& a, const OpenPoseFrame& b);
-
-/// Older files without person_id and without face or hands are read; 3D keypoints are skipped. Error kMalformed
-/// with "name:/people/0/pose_keypoints_2d" for a count that is not a multiple of 3, a value that is not a number, a
+/// The keypoints of bodies; ids, face, hands and 3D keypoints are skipped. Error kMalformed with
+/// "name:/people/0/pose_keypoints_2d" for a count that is not a multiple of 3, a value that is not a number, a
 /// confidence below 0. A point with coordinates and the confidence 0 is not detected, and counted, as is one with NaN,
 /// Infinity or null.
 Expected<OpenPoseFrame> ParseOpenPose(std::string_view bytes, const std::string& name);

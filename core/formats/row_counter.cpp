@@ -20,41 +20,11 @@ constexpr double kMostStill = 0.1;       // share of steps that may be 0 or go b
 constexpr std::size_t kFewestSteps = 5;  // of a clock that only its values tell
 constexpr int kMostSkipped = 10000;      // frames; a recording of minutes has some thousands
 
-struct NamedUnit {
-  std::string_view name;
-  int unit;  ///< of ClockUnits
-};
-
-/// As they end a name of letters and digits in lower case, the longer before those that they end with.
-constexpr std::array<NamedUnit, 29> kUnitNames = {{{"100ns", 3},
-                                                   {"100nanoseconds", 3},
-                                                   {"ticks", 3},
-                                                   {"tick", 3},
-                                                   {"milliseconds", 1},
-                                                   {"millisecond", 1},
-                                                   {"microseconds", 2},
-                                                   {"microsecond", 2},
-                                                   {"nanoseconds", 4},
-                                                   {"nanosecond", 4},
-                                                   {"seconds", 0},
-                                                   {"second", 0},
-                                                   {"millis", 1},
-                                                   {"micros", 2},
-                                                   {"nanos", 4},
-                                                   {"msecs", 1},
-                                                   {"msec", 1},
-                                                   {"usecs", 2},
-                                                   {"usec", 2},
-                                                   {"nsecs", 4},
-                                                   {"nsec", 4},
-                                                   {"secs", 0},
-                                                   {"sec", 0},
-                                                   {"ms", 1},
-                                                   {"us", 2},
-                                                   {"ns", 4},
-                                                   {"\xc2\xb5s", 2},
-                                                   {"\xce\xbcs", 2},
-                                                   {"s", 0}}};
+/// What ends a name of letters and digits in lower case, for each unit of ClockUnits.
+constexpr std::array<std::string_view, 5> kUnitNames = {
+    "seconds second secs sec s", "milliseconds millisecond millis msecs msec ms",
+    "microseconds microsecond micros usecs usec us \xc2\xb5s \xce\xbcs", "100nanoseconds 100ns ticks tick",
+    "nanoseconds nanosecond nanos nsecs nsec ns"};
 constexpr std::array<std::string_view, 13> kTimeNames = {
     "time",        "timestamp",    "timestamps", "t",          "ts",         "clock",   "elapsed",
     "elapsedtime", "relativetime", "reltime",    "devicetime", "systemtime", "unixtime"};
@@ -188,11 +158,13 @@ CounterName CounterNameOf(std::string_view name) {
   const std::string plain = PlainName(name);
   if (IsOneOf(kFrameNames, plain)) return {false, true, nullptr};
   if (IsOneOf(kTimeNames, plain)) return {true, false, nullptr};
-  for (const NamedUnit& unit : kUnitNames) {
-    const std::size_t length = unit.name.size();
-    if (plain.size() < length || plain.compare(plain.size() - length, length, unit.name) != 0) continue;
-    const std::string_view stem = std::string_view(plain).substr(0, plain.size() - length);
-    if (IsOneOf(kTimeNames, stem) || (stem.empty() && length > 3)) return {true, false, &ClockUnits()[unit.unit]};
+  for (std::size_t unit = 0; unit < kUnitNames.size(); ++unit) {
+    for (const std::string_view ending : SplitBlanks(kUnitNames[unit])) {
+      if (plain.size() < ending.size() || plain.compare(plain.size() - ending.size(), ending.size(), ending) != 0)
+        continue;
+      const std::string_view stem = std::string_view(plain).substr(0, plain.size() - ending.size());
+      if (IsOneOf(kTimeNames, stem) || (stem.empty() && ending.size() > 3)) return {true, false, &ClockUnits()[unit]};
+    }
   }
   return {};
 }

@@ -39,9 +39,7 @@ void AddDetections(FuzzSeeds& seeds) {
   OpenPoseFrame frame;
   frame.people.resize(2);
   frame.people[0].pose = {{1, 2, 0.5}, {0, 0, 0}};
-  frame.people[1].person_id = 4;
   frame.people[1].pose = {{3, 4, 1}};
-  frame.people[1].hand_left = {{5, 6, 0.25}};
   seeds.push_back({"openpose", WriteOpenPose(frame)});
   seeds.push_back({"openpose",
                    R"({"version":0.7,"univTime":53541.5,"fpsType":"hd_29_97","bodies":[{"id":0,"joints15":[)"
