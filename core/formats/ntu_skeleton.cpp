@@ -28,8 +28,7 @@ constexpr std::array<const char*, 10> kBodyFields = {"body id",
                                                      "body tracking state"};
 constexpr std::array<const char*, 12> kJointFields = {"x",        "y",  "z",  "depth u", "depth v", "colour u",
                                                       "colour v", "qw", "qx", "qy",      "qz",      "tracking state"};
-constexpr int kMostBodies = 1000;   // the sensor follows six; bounds a damaged count
-constexpr int kLargestWhole = 255;  // of the flags of a body
+constexpr int kMostBodies = 1000;  // the sensor follows six; bounds a damaged count
 constexpr int kTracked = 2;
 
 class NtuParser {
@@ -207,9 +206,6 @@ class NtuParser {
       return Bad("1 number is found where 10 are expected, from body id to body tracking state",
                  ErrorCode::kInconsistent, "a count contradicts what follows, or the line is damaged", line);
     }
-    if (!damaged) {
-      if (Status flags = Flags(body); !flags) return flags;
-    }
     const Expected<int> joints = Count("joint count", std::numeric_limits<int>::max());
     if (!joints) return Forward(joints);
     if (*joints != kNtuJoints) {
@@ -221,21 +217,6 @@ class NtuParser {
     }
     joint_ = -1;
     skeleton_.frames.back().push_back(body);
-    return {};
-  }
-
-  Status Flags(NtuBody& body) const {
-    int* const flags[] = {&body.clipped_edges,         &body.hand_left_confidence, &body.hand_left_state,
-                          &body.hand_right_confidence, &body.hand_right_state,     &body.is_restricted};
-    for (std::size_t i = 0; i < std::size(flags); ++i) {
-      const Expected<int> flag = Whole(row_[i], kBodyFields[i + 1], 0, kLargestWhole);
-      if (!flag) return Forward(flag);
-      *flags[i] = *flag;
-    }
-    body.lean_x = row_[6], body.lean_y = row_[7];
-    const Expected<int> tracking = Whole(row_[8], kBodyFields[9], 0, kTracked);
-    if (!tracking) return Forward(tracking);
-    body.tracking = *tracking;
     return {};
   }
 
@@ -279,14 +260,7 @@ std::string WriteNtuSkeleton(const NtuSkeleton& skeleton) {
   for (const std::vector<NtuBody>& frame : skeleton.frames) {
     text += std::to_string(frame.size()) + "\n";
     for (const NtuBody& body : frame) {
-      text += std::to_string(body.id) + " ";
-      for (const int flag : {body.clipped_edges, body.hand_left_confidence, body.hand_left_state,
-                             body.hand_right_confidence, body.hand_right_state, body.is_restricted}) {
-        text += std::to_string(flag) + " ";
-      }
-      AppendWord(text, body.lean_x);
-      AppendWord(text, body.lean_y);
-      text += std::to_string(body.tracking) + "\n25\n";
+      text += std::to_string(body.id) + " 0 0 1 0 1 0 0 0 2\n25\n";  // open hands, not clipped, tracked
       for (const NtuJoint& j : body.joints) {
         for (const double value :
              {j.x_m, j.y_m, j.z_m, j.depth_u, j.depth_v, j.colour_u, j.colour_v, j.qw, j.qx, j.qy, j.qz}) {

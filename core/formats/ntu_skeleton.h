@@ -24,15 +24,9 @@ struct NtuJoint {
   int tracking = 0;                       ///< 0 not tracked, 1 inferred, 2 tracked
 };
 
-/// One person in one frame; the fields of the Kinect v2 body.
+/// One person in one frame, without the flags of the Kinect v2 body (hands, lean, edges).
 struct NtuBody {
   std::uint64_t id = 0;  ///< lasts as long as the sensor follows the person; does not fit a double
-  int clipped_edges = 0;
-  int hand_left_confidence = 0, hand_left_state = 0;
-  int hand_right_confidence = 0, hand_right_state = 0;
-  int is_restricted = 0;
-  double lean_x = 0, lean_y = 0;
-  int tracking = 0;
   std::array<NtuJoint, kNtuJoints> joints;
 };
 
@@ -44,11 +38,11 @@ struct NtuSkeleton {
 
 /// Text: count of frames; per frame the count of bodies; per body a line of 10 numbers, a line "25", 25 lines of 12.
 /// A file of 0 frames is valid. Error kMalformed "name:line" names frame, body, joint and field. Faults: a line with
-/// another count of numbers, a number that is not finite, a whole number or a tracking state out of range, an id twice
+/// another count of numbers, a number that is not finite, a tracking state out of range, an id twice
 /// in a frame. kInconsistent: the counts of frames, bodies or joints contradict the data. No memory is allocated by
 /// declared counts alone. With DamagedRows::kReport a damaged line of a joint or of a body's flags is reported: a word,
-/// NaN (known in files of the set) or another count of numbers. It sets that joint to tracking state 0 and zeros, or
-/// the flags to 0. A wrong frame count is reported too, and a last frame that is cut off is dropped. A missing or extra
+/// NaN (known in files of the set) or another count of numbers. It sets that joint to tracking state 0 and zeros. A
+/// wrong frame count is reported too, and a last frame that is cut off is dropped. A missing or extra
 /// line elsewhere stays an error. Layout: Shahroudy et al. 2016, the released reader of the data set.
 Expected<NtuSkeleton> ParseNtuSkeleton(std::string_view bytes, const std::string& name,
                                        DamagedRows damaged_rows = DamagedRows::kRefuse);

@@ -62,8 +62,6 @@ NtuBody BodyAt(const View& view, const Motion& motion, const TrackedTake& tracke
                const Camera& camera, int frame) {
   NtuBody body;
   body.id = kFirstBody + static_cast<std::uint64_t>(view.take->subject) * 64 + 1;
-  body.tracking = 2;
-  body.hand_left_state = body.hand_right_state = 1;
   std::vector<Vector3d> joints(static_cast<std::size_t>(motion.joint_count()));
   std::vector<Quaterniond> global(joints.size());
   ForwardKinematics(*motion.skeleton, motion.root_translation[frame], &motion.rotation_at(frame, 0), motion.bone_length,

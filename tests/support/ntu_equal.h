@@ -11,13 +11,8 @@ inline auto Tied(const NtuJoint& j) {
                   j.tracking);
 }
 
-inline auto Tied(const NtuBody& b) {
-  return std::tie(b.id, b.clipped_edges, b.hand_left_confidence, b.hand_left_state, b.hand_right_confidence,
-                  b.hand_right_state, b.is_restricted, b.lean_x, b.lean_y, b.tracking, b.joints);
-}
-
 inline bool operator==(const NtuJoint& a, const NtuJoint& b) { return Tied(a) == Tied(b); }
-inline bool operator==(const NtuBody& a, const NtuBody& b) { return Tied(a) == Tied(b); }
+inline bool operator==(const NtuBody& a, const NtuBody& b) { return a.id == b.id && a.joints == b.joints; }
 /// Of the frames; what was found on the way does not count.
 inline bool operator==(const NtuSkeleton& a, const NtuSkeleton& b) { return a.frames == b.frames; }
 
