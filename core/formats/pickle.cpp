@@ -59,8 +59,6 @@ const char* KindName(PickleKind kind) {
       return "a tuple";
     case PickleKind::kDict:
       return "a dictionary";
-    case PickleKind::kSet:
-      return "a set";
     case PickleKind::kArray:
       return "an array";
     case PickleKind::kSparse:
@@ -86,7 +84,6 @@ std::size_t PickleRef::size() const {
   switch (kind()) {
     case PickleKind::kList:
     case PickleKind::kTuple:
-    case PickleKind::kSet:
       return value().children.size();
     case PickleKind::kDict:
       return value().children.size() / 2;
@@ -222,8 +219,7 @@ Expected<NpyArray> PickleRef::Array() const {
 Expected<SparseMatrix> PickleRef::Sparse() const {
   if (kind() != PickleKind::kSparse) return Bad(std::string("a sparse matrix is expected, not ") + KindName(kind()));
   std::vector<NpyArray> parts;
-  const char* const names[3] = {"data", value().text == "coo" ? "row" : "indices",
-                                value().text == "coo" ? "col" : "indptr"};
+  constexpr const char* names[3] = {"data", "indices", "indptr"};
   for (std::size_t i = 0; i < 3; ++i) {
     const PickleRef part(*pickle_, value().children[i], path_ + "/" + names[i]);
     Expected<NpyArray> array = part.Array();
@@ -243,41 +239,30 @@ Expected<SparseMatrix> PickleRef::Sparse() const {
     return static_cast<std::size_t>(number);
   };
   const bool by_column = value().text == "csc";
-  const bool coo = value().text == "coo";
-  const std::size_t inner = by_column || coo ? matrix.rows : matrix.columns;
-  const std::size_t outer = by_column || coo ? matrix.columns : matrix.rows;
+  const std::size_t inner = by_column ? matrix.rows : matrix.columns;
+  const std::size_t outer = by_column ? matrix.columns : matrix.rows;
   const auto bad = [&](std::size_t part, const std::string& rule) {
     return PickleRef(*pickle_, position_, path_ + "/" + names[part]).Bad(rule);
   };
-  std::vector<std::size_t> first, second;
   if (parts[1].values.size() != count) return bad(1, "one index per entry is expected");
+  if (parts[2].values.size() != outer + 1) return bad(2, "one position per column (csc) or row (csr) is expected");
+  std::vector<std::size_t> first, second(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::optional<std::size_t> index = whole(1, i, inner);
     if (!index) return bad(1, "entry " + std::to_string(i) + " lies outside the matrix");
     first.push_back(*index);
   }
-  if (coo) {
-    if (parts[2].values.size() != count) return bad(2, "one index per entry is expected");
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::optional<std::size_t> index = whole(2, i, outer);
-      if (!index) return bad(2, "entry " + std::to_string(i) + " lies outside the matrix");
-      second.push_back(*index);
+  std::size_t from = 0;
+  for (std::size_t k = 0; k <= outer; ++k) {
+    const std::optional<std::size_t> to = whole(2, k, count + 1);
+    if (!to || *to < from || (k == 0 && *to != 0) || (k == outer && *to != count)) {
+      return bad(2, "position " + std::to_string(k) + " does not follow the one before it");
     }
-  } else {
-    if (parts[2].values.size() != outer + 1) return bad(2, "one position per column (csc) or row (csr) is expected");
-    second.resize(count);
-    std::size_t from = 0;
-    for (std::size_t k = 0; k <= outer; ++k) {
-      const std::optional<std::size_t> to = whole(2, k, count + 1);
-      if (!to || *to < from || (k == 0 && *to != 0) || (k == outer && *to != count)) {
-        return bad(2, "position " + std::to_string(k) + " does not follow the one before it");
-      }
-      for (std::size_t i = from; i < *to; ++i) second[i] = k - 1;
-      from = *to;
-    }
+    for (std::size_t i = from; i < *to; ++i) second[i] = k - 1;
+    from = *to;
   }
-  matrix.row = std::move(by_column || coo ? first : second);
-  matrix.column = std::move(by_column || coo ? second : first);
+  matrix.row = std::move(by_column ? first : second);
+  matrix.column = std::move(by_column ? second : first);
   return matrix;
 }
 

@@ -23,9 +23,8 @@ enum class PickleKind {
   kList,
   kTuple,
   kDict,
-  kSet,
   kArray,    ///< numpy.ndarray, chumpy.ch.Ch, a tensor
-  kSparse,   ///< scipy.sparse csc, csr, coo
+  kSparse,   ///< scipy.sparse csc, csr
   kClass,    ///< a known class itself, not an object of it
   kDtype,    ///< numpy.dtype
   kStorage,  ///< of a tensor
@@ -38,7 +37,7 @@ struct PickleValue {
   int array = -1;             ///< of kArray, and for the shape of kSparse
   std::int64_t integer = 0;   ///< of kBool, kInteger
   double number = 0.0;        ///< of kFloat; may be NaN
-  std::string_view text;      ///< of kText, kBytes; "csc", "csr" or "coo" of kSparse
+  std::string_view text;      ///< of kText, kBytes; "csc" or "csr" of kSparse
   std::vector<int> children;  ///< items; key, value, key, value, ... of kDict; the list of items of an object array
 };
 
@@ -88,7 +87,7 @@ class PickleRef {
   PickleKind kind() const { return value().kind; }
   const std::string& path() const { return path_; }
   int position() const { return position_; }
-  /// Items of a list, tuple or set; pairs of a dictionary; else 0.
+  /// Items of a list or tuple; pairs of a dictionary; else 0.
   std::size_t size() const;
   PickleRef Item(std::size_t i) const;
   PickleRef KeyAt(std::size_t i) const;
@@ -132,7 +131,7 @@ struct PickleLimits {
 };
 
 /// Protocols 0 to 5, joblib files that are not packed. A stack machine over data: nothing of the file runs. A fixed
-/// list of class names stands for dictionaries, sets, bytes, numpy arrays and scalars, scipy's sparse matrices, chumpy
+/// list of class names stands for dictionaries, bytes, numpy arrays and scalars, scipy's sparse matrices, chumpy
 /// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
 

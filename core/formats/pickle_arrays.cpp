@@ -198,7 +198,6 @@ Status PickleMachine::Tensor(const std::vector<int>& arguments) {
 }
 
 Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const PickleValue& state) {
-  const bool coo = type == PickleClass::kCoo;
   Expected<int> shape = Attribute(state, "_shape");
   if (shape && *shape < 0) shape = Attribute(state, "shape");
   if (!shape) return Forward(shape);
@@ -207,14 +206,9 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
   if (!extents) return Forward(extents);
   if (extents->size() != 2) return Bad("a sparse matrix does not have two axes", ErrorCode::kUnsupported);
   std::vector<int> parts;
-  for (const char* key : {"data", coo ? "row" : "indices", coo ? "col" : "indptr"}) {
-    Expected<int> part = Attribute(state, key);
+  for (const char* key : {"data", "indices", "indptr"}) {
+    const Expected<int> part = Attribute(state, key);
     if (!part) return Forward(part);
-    if (*part < 0 && coo && !parts.empty()) {  // newer files: coords = (row, column)
-      const Expected<int> coords = Attribute(state, "coords");
-      if (!coords) return Forward(coords);
-      if (*coords >= 0 && At(*coords).children.size() == 2) part = At(*coords).children[parts.size() - 1];
-    }
     if (*part < 0 || At(*part).kind != PickleKind::kArray) {
       return Bad(std::string("a sparse matrix has no '") + key + "'");
     }
@@ -222,7 +216,7 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
   }
   object = PickleValue();
   object.kind = PickleKind::kSparse;
-  object.text = type == PickleClass::kCsc ? "csc" : type == PickleClass::kCsr ? "csr" : "coo";
+  object.text = type == PickleClass::kCsc ? "csc" : "csr";
   object.children = parts;
   object.array = static_cast<int>(pickle_.arrays.size());
   PickleArray layout;
@@ -297,11 +291,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   const std::optional<ElementType> type = ParseElementType(At(parts[2]).text);
   if (!type) return Bad("an array of joblib has an unknown type", ErrorCode::kUnsupported);
   if (type->kind == ElementKind::kObject) {
-    const Expected<int> inner = ReadInner();
-    if (!inner) return Forward(inner);
-    if (At(*inner).kind != PickleKind::kArray) return Bad("an object array in a joblib file does not hold an array");
-    object = At(*inner);
-    return {};
+    return Bad("an array of objects in a joblib file", ErrorCode::kUnsupported);
   }
   const Expected<int> alignment = Attribute(state, "numpy_array_alignment_bytes");
   if (!alignment) return Forward(alignment);

@@ -21,12 +21,8 @@ constexpr PickleClassName kClasses[] = {
     {"_codecs encode", PickleClass::kEncode, nullptr},
     {"__builtin__ bytes", PickleClass::kBytes, nullptr},
     {"builtins bytes", PickleClass::kBytes, nullptr},
-    {"__builtin__ bytearray", PickleClass::kByteArray, nullptr},
-    {"builtins bytearray", PickleClass::kByteArray, nullptr},
-    {"__builtin__ set", PickleClass::kSet, nullptr},
-    {"builtins set", PickleClass::kSet, nullptr},
-    {"__builtin__ frozenset", PickleClass::kSet, nullptr},
-    {"builtins frozenset", PickleClass::kSet, nullptr},
+    {"__builtin__ bytearray", PickleClass::kBytes, nullptr},
+    {"builtins bytearray", PickleClass::kBytes, nullptr},
     {"__builtin__ object", PickleClass::kObject, nullptr},
     {"builtins object", PickleClass::kObject, nullptr},
     {"copy_reg _reconstructor", PickleClass::kReconstructor, nullptr},
@@ -39,10 +35,6 @@ constexpr PickleClassName kClasses[] = {
     {"scipy.sparse._csr csr_matrix", PickleClass::kCsr, nullptr},
     {"scipy.sparse._csr csr_array", PickleClass::kCsr, nullptr},
     {"scipy.sparse._arrays csr_array", PickleClass::kCsr, nullptr},
-    {"scipy.sparse.coo coo_matrix", PickleClass::kCoo, nullptr},
-    {"scipy.sparse._coo coo_matrix", PickleClass::kCoo, nullptr},
-    {"scipy.sparse._coo coo_array", PickleClass::kCoo, nullptr},
-    {"scipy.sparse._arrays coo_array", PickleClass::kCoo, nullptr},
     {"chumpy.ch Ch", PickleClass::kCh, nullptr},
     {"chumpy Ch", PickleClass::kCh, nullptr},
     {"chumpy.reordering Select", PickleClass::kChSelect, nullptr},
@@ -154,14 +146,11 @@ Status PickleMachine::Reduce() {
     case PickleClass::kEncode:
       return Encode(items);
     case PickleClass::kBytes:
-    case PickleClass::kByteArray:
       if (items.empty()) return PushText(PickleKind::kBytes, {});
       if (items.size() == 1 && At(items[0]).kind == PickleKind::kBytes) {
         return PushText(PickleKind::kBytes, At(items[0]).text);
       }
       return Encode(items);
-    case PickleClass::kSet:
-      return SetOf(items);
     case PickleClass::kReconstructor:
       if (items.size() != 3 || At(items[0]).kind != PickleKind::kClass || At(items[1]).kind != PickleKind::kClass ||
           MeaningOf(At(items[1])) != PickleClass::kObject) {
@@ -227,25 +216,10 @@ Status PickleMachine::Encode(const std::vector<int>& arguments) {
   return PushText(PickleKind::kBytes, *owned);
 }
 
-Status PickleMachine::SetOf(const std::vector<int>& arguments) {
-  PickleValue set;
-  set.kind = PickleKind::kSet;
-  if (arguments.size() > 1) return Bad("a set that is made of several lists");
-  if (arguments.size() == 1) {
-    const PickleValue& items = At(arguments[0]);
-    if (items.kind != PickleKind::kList && items.kind != PickleKind::kTuple)
-      return Bad("a set that is not made of a list");
-    if (Status charged = Charge(items.children.size()); !charged) return charged;
-    set.children = items.children;
-  }
-  return Push(std::move(set));
-}
-
 Status PickleMachine::MakeObject(int type) {
   const PickleClass meaning = MeaningOf(At(type));
-  const bool known = meaning == PickleClass::kCsc || meaning == PickleClass::kCsr || meaning == PickleClass::kCoo ||
-                     meaning == PickleClass::kCh || meaning == PickleClass::kChSelect ||
-                     meaning == PickleClass::kJoblibArray;
+  const bool known = meaning == PickleClass::kCsc || meaning == PickleClass::kCsr || meaning == PickleClass::kCh ||
+                     meaning == PickleClass::kChSelect || meaning == PickleClass::kJoblibArray;
   if (!known) return Bad("an object of '" + std::string(At(type).text) + "'", ErrorCode::kUnsupported);
   PickleValue object;
   object.kind = PickleKind::kObject;

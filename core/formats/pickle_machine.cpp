@@ -106,18 +106,13 @@ Status PickleMachine::StepContainer(unsigned char opcode) {
     if (!popped) return Forward(popped);
     items = std::move(*popped);
   }
-  if (opcode == 't' || opcode == 'l' || opcode == 'd' || opcode == 0x91) {  // TUPLE, LIST, DICT, FROZENSET
-    value.kind = opcode == 't'   ? PickleKind::kTuple
-                 : opcode == 'l' ? PickleKind::kList
-                 : opcode == 'd' ? PickleKind::kDict
-                                 : PickleKind::kSet;
+  if (opcode == 't' || opcode == 'l' || opcode == 'd') {  // TUPLE, LIST, DICT
+    value.kind = opcode == 't' ? PickleKind::kTuple : opcode == 'l' ? PickleKind::kList : PickleKind::kDict;
     if (opcode == 'd' && items.size() % 2 != 0) return Bad("a dictionary with a key that has no value");
     value.children = std::move(items);
     return Push(std::move(value));
   }
-  const PickleKind wanted = opcode == 's' || opcode == 'u'   ? PickleKind::kDict
-                            : opcode == 'a' || opcode == 'e' ? PickleKind::kList
-                                                             : PickleKind::kSet;
+  const PickleKind wanted = opcode == 's' || opcode == 'u' ? PickleKind::kDict : PickleKind::kList;
   if (!Has(1) || At(stack_.back()).kind != wanted || (wanted == PickleKind::kDict && items.size() % 2 != 0)) {
     return Bad("items for something that is not a container of them");
   }
@@ -207,8 +202,6 @@ Status PickleMachine::Step(unsigned char opcode) {
     case 0x85:
     case 0x86:
     case 0x87:
-    case 0x90:
-    case 0x91:
       return StepContainer(opcode);
     case 'p':
     case 'q':
@@ -238,9 +231,6 @@ Status PickleMachine::Step(unsigned char opcode) {
       return Push(std::move(value));
     case ']':
       value.kind = PickleKind::kList;
-      return Push(std::move(value));
-    case 0x8f:
-      value.kind = PickleKind::kSet;
       return Push(std::move(value));
     default:
       return Unknown(opcode);
@@ -281,20 +271,6 @@ Expected<int> PickleMachine::Read() {
   if (!marks_.empty()) return Bad("a container is never ended");
   if (stack_.empty()) return Bad("a pickle without a result");
   return stack_.back();
-}
-
-Expected<int> PickleMachine::ReadInner() {
-  if (inside_) return Bad("an array of objects within another one in a joblib file", ErrorCode::kUnsupported);
-  std::vector<int> stack, memo;
-  std::vector<std::size_t> marks;
-  stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
-  const std::size_t remembered = remembered_;
-  inside_ = true;
-  Expected<int> result = Read();
-  inside_ = false;
-  stack.swap(stack_), marks.swap(marks_), memo.swap(memo_);
-  remembered_ = remembered;
-  return result;
 }
 
 Status PickleMachine::Check(int root) const {

@@ -24,13 +24,10 @@ enum class PickleClass {
   kFromBuffer,
   kEncode,
   kBytes,
-  kByteArray,
-  kSet,
   kObject,
   kReconstructor,
   kCsc,
   kCsr,
-  kCoo,
   kCh,
   kChSelect,
   kJoblibArray,
@@ -44,8 +41,6 @@ struct PickleClassName {
   PickleClass meaning;
   const char* dtype;  ///< of a storage
 };
-
-/// Message for a known opcode, after its name; a byte that is not an opcode is damage.
 
 /// Null when the name is not in the list.
 const PickleClassName* FindPickleClass(const std::string& name);
@@ -109,7 +104,6 @@ class PickleMachine {
   Status BuildObject(int object, int state);
   Status OrderedDict(const std::vector<int>& arguments);
   Status Encode(const std::vector<int>& arguments);
-  Status SetOf(const std::vector<int>& arguments);
   Status PersistentId();
 
   // pickle_arrays.cpp
@@ -123,8 +117,6 @@ class PickleMachine {
   Status BuildSparse(PickleValue& object, PickleClass type, const PickleValue& state);
   Status BuildSelect(PickleValue& object, const PickleValue& state);
   Status ReadJoblibArray(PickleValue& object, const PickleValue& state);
-  /// joblib writes an array of objects as a pickle of its own inside the other one.
-  Expected<int> ReadInner();
   Expected<std::vector<std::size_t>> Shape(int tuple, const char* what);
   /// Position of the value under a text key of a dictionary; -1 when there is none.
   Expected<int> Attribute(const PickleValue& dict, std::string_view key);
@@ -165,7 +157,6 @@ class PickleMachine {
   std::int64_t charged_ = 0;
   std::size_t owned_bytes_ = 0;
   std::array<int, 259> constants_{};  ///< position + 1 of None, false, true, 0 to 255; 0: not yet there
-  bool inside_ = false;               ///< an inner pickle is being read
 };
 
 /// Elements of an array in C order, gathered by its strides. Error when they reach outside the data.

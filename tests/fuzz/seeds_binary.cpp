@@ -76,7 +76,7 @@ SmplModel SmallModel() {
 
 void AddPickles(FuzzSeeds& seeds) {
   for (const char* digits : {kPickleP0, kPickleP1, kPickleP2, kPickleP3, kPickleP4, kPickleP5, kPickleJoblib,
-                             kPickleCsc, kPickleCsr, kPickleCoo, kPickleCh2, kPickleCh0, kPickleFortran, kPicklePy2}) {
+                             kPickleCsc, kPickleCsr, kPickleCh2, kPickleCh0, kPickleFortran, kPicklePy2}) {
     seeds.push_back({"pickle", FromHex(digits)});
   }
   VibeTrack track;
