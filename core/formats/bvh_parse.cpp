@@ -82,16 +82,6 @@ class BvhParser {
     return offset;
   }
 
-  tl::unexpected<Error> Twice(const BvhJoint& joint, const std::vector<std::string_view>& words, std::size_t at) const {
-    std::string what = "channel '" + Shown(words[at]) + "' of joint '" + joint.name + "' appears twice";
-    for (std::string name : {"X", "Y", "Z"}) {
-      name += IsPosition(*BvhChannelOf(words[at])) ? "position" : "rotation";
-      const auto same = [&](std::string_view word) { return SameWord(word, name); };
-      if (std::none_of(words.begin(), words.end(), same)) what += ", " + name + " nowhere";
-    }
-    return Bad(what, 0, "name each axis once, in the order of the numbers of a row; or export the file again");
-  }
-
   Status Channels(BvhJoint& joint, const std::vector<std::string_view>& words) {
     const std::optional<long long> count = words.size() > 1 ? ParseInteger(words[1]) : std::nullopt;
     if (!count || *count < 0 || static_cast<std::size_t>(*count) != words.size() - 2) {
@@ -106,10 +96,12 @@ class BvhParser {
         return Bad("unknown channel '" + Shown(words[i]) + "' of joint '" + joint.name + "'", 0,
                    "channels are [XYZ]position and [XYZ]rotation");
       }
-      if (std::count(joint.channels.begin(), joint.channels.end(), *channel) > 0) return Twice(joint, words, i);
+      if (std::count(joint.channels.begin(), joint.channels.end(), *channel) > 0) {
+        return Bad("channel '" + Shown(words[i]) + "' of joint '" + joint.name + "' appears twice", 0,
+                   "name each axis once, in the order of the numbers of a row; or export the file again");
+      }
       joint.channels.push_back(*channel);
     }
-    if (joint.channels.size() > 6) return Bad("joint '" + joint.name + "' has more than 6 channels");
     bvh_.channel_count += static_cast<int>(joint.channels.size());
     return {};
   }
@@ -248,18 +240,6 @@ class BvhParser {
     bvh_.findings.back().action = FindingAction::kDropped;
   }
 
-  /// Where every row has the same count of numbers, and it is the hierarchy that has another; else empty.
-  std::string HintOfChannels() const {
-    const double count = bvh_.findings.back().value;
-    for (const Finding& finding : bvh_.findings) {
-      if (finding.code != "joint_twice" && (finding.code != "row_length" || finding.value != count)) return "";
-    }
-    const auto without = std::find_if(bvh_.joints.begin(), bvh_.joints.end(),
-                                      [](const BvhJoint& joint) { return joint.channels.empty(); });
-    return "every row has " + FormatDouble(count) + " numbers: correct the CHANNELS of the hierarchy" +
-           (without == bvh_.joints.end() ? "" : "; joint '" + Shown(without->name) + "' has none");
-  }
-
   /// Damaged rows get the numbers of the one before, or of the first complete one. Damage that may have split or joined
   /// rows is an error.
   Status PlaceDamage(long long rows) {
@@ -267,11 +247,9 @@ class BvhParser {
     const auto wide = static_cast<std::size_t>(bvh_.channel_count);
     const auto damaged = static_cast<long long>(bvh_.damaged.size());
     if (rows > announced_ || (joined_ && rows != announced_) || 2 * damaged > rows) {
-      if (const std::string hint = HintOfChannels(); 2 * damaged > rows && !hint.empty())
-        return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where, hint);
       return Fail(ErrorCode::kMalformed, first_damage_.what, first_damage_.where,
                   2 * damaged > rows
-                      ? "more rows are damaged than intact: repair the file, or leave it out"
+                      ? "more rows are damaged than intact: correct the CHANNELS of the hierarchy or the rows"
                       : "the header announces " + std::to_string(announced_) + " frames, the file has " +
                             std::to_string(rows) +
                             " rows: damage may have split or joined rows, so that later frame numbers are "
