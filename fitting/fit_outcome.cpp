@@ -56,7 +56,6 @@ std::string MethodName(FitMethod method) {
 std::optional<Finding> SuspectSize(const FitResult& fit, const FittingOptions& options) {
   const bool height_given = options.point_clouds.height.has_value();
   if (!fit.depth_rig || height_given || options.method == FitMethod::kJointsAndClouds) return {};
-  if (!options.rules.on(FittingRule::kSizeSuspect)) return {};
   const Skeleton& skeleton = *fit.motion.skeleton;
   const double stature = Stature(skeleton, fit.motion.bone_length);
   return CheckStature(stature, stature / Stature(skeleton, skeleton.RestBoneLengths()));
@@ -165,10 +164,8 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
   const RepairedTracks repaired = RepairTracks(given, bone_length, EstimateNoise(given, bone_length).sigma, repair);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bone_length, options);
   if (!fit) return fit;
-  if (options.rules.on(FittingRule::kUnexplainedJoints)) {
-    for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
-      fit->findings.push_back(std::move(finding));
-  }
+  for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
+    fit->findings.push_back(std::move(finding));
   ReportRepairs(repaired, *fit);
   return fit;
 }
@@ -179,7 +176,7 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &excluded);
   if (!tracks) return Forward(tracks);
   std::optional<Finding> size_differs;
-  if (!bone_length.empty() && options.rules.on(FittingRule::kSizeDiffers)) {
+  if (!bone_length.empty()) {
     Expected<std::optional<Finding>> size = CheckSize(*tracks, bone_length, clip.id());
     if (!size) return Forward(size);
     size_differs = *std::move(size);
@@ -188,13 +185,10 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
   const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
   Expected<FitResult> fit = RepairAndFit(*tracks, clip.rate, bones, options.repair, options.joint_tracks);
   if (!fit) return fit;
-  if (options.rules.on(FittingRule::kImplausibleBody)) {
-    for (Finding& finding : FindImplausibleBody(*tracks)) fit->findings.push_back(std::move(finding));
-  }
+  for (Finding& finding : FindImplausibleBody(*tracks)) fit->findings.push_back(std::move(finding));
   if (size_differs) fit->findings.push_back(*std::move(size_differs));
   if (!excluded.empty()) fit->findings.push_back(ExcludedJoints(excluded, *skeleton));
-  if (!clip.evidence.tracks && clip.motion && options.rules.on(FittingRule::kGivenUncertainty))
-    AddGivenUncertainty(*clip.motion, fit->motion);
+  if (!clip.evidence.tracks && clip.motion) AddGivenUncertainty(*clip.motion, fit->motion);
   const SkeletonPtr plain = WithoutTrackerPoints(skeleton);
   if (plain != skeleton) fit->motion = WithoutDetectorPoints(fit->motion, plain);
   return fit;
@@ -280,7 +274,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
                         " % of the frames (limit: 30 %); exclude these frames, or train with the joints' states"));
     outcome.kind = OutcomeKind::kSuspect;
   }
-  if (options.method != FitMethod::kNone && options.rules.on(FittingRule::kJointsBeyondLimits)) {
+  if (options.method != FitMethod::kNone) {
     for (Finding& finding : FindJointsBeyondLimits(fit.motion)) outcome.findings.push_back(std::move(finding));
   }
   if (auto size = SuspectSize(fit, options)) outcome.findings.push_back(std::move(*size));

@@ -13,6 +13,7 @@
 #include "fitting/audit/rig_corrections.h"
 #include "fitting/cloud_ray_fit.h"
 #include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/clouds/modality_alignment.h"

@@ -156,7 +156,7 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
                                        const FittingOptions& options) {
   Expected<BodyTracks> found = TracksOnBody(evidence, *skeleton, body, options.keypoints);
   if (!found) return Forward(found);
-  if (!bone_length.empty() && options.rules.on(FittingRule::kSizeDiffers)) {
+  if (!bone_length.empty()) {
     Expected<std::optional<Finding>> size = CheckSize(found->tracks, bone_length, "keypoints");
     if (!size) return Forward(size);
     if (*size) found->findings.push_back(**std::move(size));
@@ -166,10 +166,8 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   const RepairedTracks repaired = CorrectLimbsOfBody(*found, bones, options);
   Expected<FitResult> fit = FitJointTracks(repaired.tracks, rate, bones, options.joint_tracks);
   if (!fit) return fit;
-  if (options.rules.on(FittingRule::kUnexplainedJoints)) {
-    for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
-      fit->findings.push_back(std::move(finding));
-  }
+  for (Finding& finding : FindUnexplainedJoints(repaired.tracks, fit->motion.joints))
+    fit->findings.push_back(std::move(finding));
   MarkRepaired(found->exchanged, fit->motion);
   ReportRepairs(repaired, *fit);
   if (options.rules.on(FittingRule::kAmbiguousRigCovariance))
@@ -178,9 +176,7 @@ Expected<FitResult> FitKeypointsOnBody(const Evidence& evidence, const FrameRate
   fit->keypoints = std::move(found->report);
   fit->findings.insert(fit->findings.begin(), found->findings.begin(), found->findings.end());
   fit->triangulated = WithoutDetectorPoints(found->tracks, skeleton);
-  if (options.rules.on(FittingRule::kImplausibleBody)) {
-    for (Finding& finding : FindImplausibleBody(*fit->triangulated)) fit->findings.push_back(std::move(finding));
-  }
+  for (Finding& finding : FindImplausibleBody(*fit->triangulated)) fit->findings.push_back(std::move(finding));
   return fit;
 }
 

@@ -21,7 +21,6 @@ const std::vector<std::string>& FittingRuleNames() {
       "second_order_covariance",
       "rest_correlation",
       "unobserved_process_noise",
-      "given_uncertainty",
       "ambiguous_rig_covariance",
       "low_coverage",
       "unobserved_factor",
@@ -52,11 +51,6 @@ const std::vector<std::string>& FittingRuleNames() {
       "common_fault",
       "far_move",
       "inconsistent_views",
-      "implausible_body",
-      "unexplained_joints",
-      "joints_beyond_limits",
-      "size_differs",
-      "size_suspect",
   };
   return names;
 }

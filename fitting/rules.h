@@ -27,7 +27,6 @@ enum class FittingRule {
   kSecondOrderCovariance,
   kRestCorrelation,
   kUnobservedProcessNoise,
-  kGivenUncertainty,
   kAmbiguousRigCovariance,
   // Stated uncertainty of depth fits.
   kLowCoverage,
@@ -61,12 +60,6 @@ enum class FittingRule {
   kCommonFault,
   kFarMove,
   kInconsistentViews,
-  // Checks of a clip: findings and refusals alone.
-  kImplausibleBody,
-  kUnexplainedJoints,
-  kJointsBeyondLimits,
-  kSizeDiffers,
-  kSizeSuspect,
   kCount,  ///< number of rules
 };
 

@@ -149,14 +149,6 @@ RULES = {
     "point_clouds.audit.unit": (["depth", "depth_depths"], ["calibration_unit"]),
 }
 
-# Rules without a run: findings alone, or nothing that a benchmark plants.
-UNMEASURED = {
-    "given_uncertainty": "a motion fitted again",
-    "implausible_body": "findings of a clip", "unexplained_joints": "findings of a clip",
-    "joints_beyond_limits": "findings of a clip", "size_differs": "findings and refusals of a clip",
-    "size_suspect": "findings of a clip",
-}
-
 ERRORS = ["joint_mm", "median_mm", "camera_mm"]  # the first that a line has is its error
 SPEED = {"frames_per_s"}
 
@@ -311,8 +303,6 @@ def main():
         for rule, run in pairs:
             there = result_file(arguments.results, run, rule).exists()
             print(f"{rule}\t{run}\t{'done' if there else 'missing'}\t{RUNS[run]}")
-        for rule, why in UNMEASURED.items():
-            print(f"{rule}\t-\tno run: {why}")
         return
     arguments.images.mkdir(parents=True, exist_ok=True)
     # Runs with all rules first; they also render the images that the others read.

@@ -49,8 +49,7 @@ TEST(FittingRules, EachHasOneName) {
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
   EXPECT_EQ(names[static_cast<std::size_t>(FittingRule::kGapInflation)], "gap_inflation");
   EXPECT_EQ(names[static_cast<std::size_t>(FittingRule::kRayNoise)], "ray_noise");
-  EXPECT_EQ(names[static_cast<std::size_t>(FittingRule::kInconsistentViews)], "inconsistent_views");
-  EXPECT_EQ(names.back(), "size_suspect");
+  EXPECT_EQ(names.back(), "inconsistent_views");
 }
 
 TEST(FittingRules, AnUnknownNameIsRefusedWithTheKnownOnes) {

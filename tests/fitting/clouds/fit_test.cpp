@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "fitting/clouds/cloud_proportions.h"
+#include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/clouds/depth_image.h"
 #include "fitting/clouds/fit_clouds.h"
