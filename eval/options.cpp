@@ -99,11 +99,6 @@ void MetricOptions::Declare(OptionVisitor& v) {
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
   v.Choice("divisor", divisor, {{"present", MultimodalityDivisor::kPresent}, {"all", MultimodalityDivisor::kAll}},
            "multimodality where a class has no motions: no value, or divided by all classes (MultiAct)");
-  v.Integer("kid_subsets", kid_subsets, {1.0, 1000.0}, "random subsets for KID");
-  v.Integer("kid_size", kid_size, {2.0, 100000.0}, "motions of a KID subset");
-  v.Integer("neighbours", neighbours, {1.0, 100.0}, "k of density and coverage");
-  v.Integer("resamples", resamples, {0.0, 10000.0},
-            "resamples of bootstrap intervals and permutations of comparisons; 0: none");
 }
 
 const DrawOptions& ProtocolOptions::draw() const {

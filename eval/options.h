@@ -48,10 +48,6 @@ struct MetricOptions {
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   MultimodalityDivisor divisor = MultimodalityDivisor::kPresent;
-  std::int64_t kid_subsets = 10;
-  std::int64_t kid_size = 1000;
-  std::int64_t neighbours = 5;
-  std::int64_t resamples = 200;
 
   void Declare(OptionVisitor& v);
 };

@@ -20,6 +20,7 @@
 namespace mocurate {
 namespace {
 
+constexpr int kDrawnFits = 5;        // best, worst and evenly between
 constexpr double kLongVideos = 5.0;  // seconds from which the time of videos is logged
 
 /// The clips drawn in a report: best, worst and evenly between by residual, `count` in all.
@@ -62,43 +63,15 @@ std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
   return items;
 }
 
-/// Files of a clip in the folder of the report; empty names for missing ones.
-struct ClipPageFiles {
-  std::string page;
-  std::string video;
-  std::string no_video;  ///< why there is no video
-};
-
 /// "clip_001.html" of the first.
 std::string ClipFileName(std::size_t index, const char* extension) {
-  std::string number = std::to_string(index + 1);
-  number.insert(0, number.size() < 3 ? 3 - number.size() : 0, '0');
-  return "clip_" + number + "." + extension;
+  return "clip_" + ZeroPadded(static_cast<int>(index) + 1, 3) + "." + extension;
 }
 
-std::vector<ItemSpec> ClipPageItems(const std::vector<const ClipRecord*>& clips,
-                                    const std::vector<ClipPageFiles>& files, const ReportOptions& options) {
-  std::vector<ItemSpec> items;
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    ClipPageOptions page;
-    page.stills = options.filmstrip_frames;
-    page.views = options.page_views;
-    page.video = files[i].video;
-    page.no_video = files[i].no_video;
-    items.push_back({clips[i]->item, OptionsToJson(page), {}});
-    AddDrawing(*clips[i], true, items.back());
-  }
-  return items;
-}
-
-std::vector<ItemSpec> ClipVideoItems(const std::vector<const ClipRecord*>& clips) {
-  std::vector<ItemSpec> items;
-  const ItemOptions options = OptionsToJson(ClipVideoOptions());
-  for (const ClipRecord* clip : clips) {
-    items.push_back({clip->item, options, {}});
-    AddDrawing(*clip, true, items.back());
-  }
-  return items;
+ItemSpec ClipItem(const ClipRecord& clip, nlohmann::json options) {
+  ItemSpec item{clip.item, std::move(options), {}};
+  AddDrawing(clip, true, item);
+  return item;
 }
 
 nlohmann::json ClipSummary(const ClipRecord& clip) {
@@ -157,8 +130,10 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
 }
 
 Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs, const std::filesystem::path& folder,
-                   std::vector<ClipPageFiles>& files) {
-  const auto report = runs.Run(ClipVideoDeclaration(), ClipVideoItems(clips));
+                   std::vector<ClipPageOptions>& pages) {
+  std::vector<ItemSpec> items;
+  for (const ClipRecord* clip : clips) items.push_back(ClipItem(*clip, nlohmann::json::object()));
+  const auto report = runs.Run(ClipVideoDeclaration(), std::move(items));
   const bool no_encoder = !report && report.error().code == ErrorCode::kMissingOnHost;
   if (!report && !no_encoder) return Forward(report);
   if (no_encoder) LogWarning("no videos: " + report.error().Message());
@@ -168,12 +143,12 @@ Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs,
   }
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (!no_encoder && !report->items[i].artifact.empty()) {
-      files[i].video = ClipFileName(i, "mp4");
-      Status copied = CopyWhole(report->items[i].artifact, folder / "report" / files[i].video);
+      pages[i].video = ClipFileName(i, "mp4");
+      Status copied = CopyWhole(report->items[i].artifact, folder / "report" / pages[i].video);
       if (!copied) return copied;
     } else {
       // A cause common to all pages is reported without the clip where it occurred first.
-      files[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
+      pages[i].no_video = no_encoder ? report.error().what : report->items[i].outcome.error.Message();
     }
   }
   return {};
@@ -183,18 +158,19 @@ Status WriteVideos(const std::vector<const ClipRecord*>& clips, StageRuns& runs,
 Status WriteClipPages(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder, JobResult& result) {
   const ReportOptions& options = run.options.report;
   const auto clips = ClipsToDraw(run.clips, static_cast<int>(options.pages));
-  std::vector<ClipPageFiles> files(clips.size());
+  std::vector<ClipPageOptions> pages(clips.size());
   if (options.videos) {
-    if (Status written = WriteVideos(clips, runs, folder, files); !written) return written;
+    if (Status written = WriteVideos(clips, runs, folder, pages); !written) return written;
   }
-  const auto report = runs.Run(ClipPageDeclaration(), ClipPageItems(clips, files, options));
+  std::vector<ItemSpec> items;
+  for (std::size_t i = 0; i < clips.size(); ++i) items.push_back(ClipItem(*clips[i], OptionsToJson(pages[i])));
+  const auto report = runs.Run(ClipPageDeclaration(), std::move(items));
   if (!report) return Forward(report);
   for (std::size_t i = 0; i < clips.size(); ++i) {
     if (report->items[i].artifact.empty()) continue;
-    files[i].page = ClipFileName(i, "html");
-    Status copied = CopyWhole(report->items[i].artifact, folder / "report" / files[i].page);
-    if (!copied) return copied;
-    result.pages[clips[i]->item] = {{"page", files[i].page}, {"video", files[i].video}};
+    const std::string page = ClipFileName(i, "html");
+    if (Status copied = CopyWhole(report->items[i].artifact, folder / "report" / page); !copied) return copied;
+    result.pages[clips[i]->item] = {{"page", page}, {"video", pages[i].video}};
   }
   return {};
 }
@@ -305,7 +281,7 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
   item.inputs.push_back({"run", "run.json", input, ""});
   item.inputs.push_back(InputFrom("dataset", run.dataset));
   for (const TrainedNetwork& network : run.networks) item.inputs.push_back(network.checkpoint);
-  for (const ClipRecord* clip : ClipsToDraw(run.clips, static_cast<int>(run.options.report.filmstrip_clips))) {
+  for (const ClipRecord* clip : ClipsToDraw(run.clips, kDrawnFits)) {
     AddDrawing(*clip, run.fits, item);
   }
   if (Status generated = AddGenerated(run, runs, item, result); !generated) return generated;

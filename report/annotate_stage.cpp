@@ -15,7 +15,8 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kMostSpeeds = 6000;  ///< of one clip's curve
+constexpr std::size_t kMostSpeeds = 6000;     ///< of one clip's curve
+constexpr double kMostPosesPerSecond = 15.0;  ///< in players
 constexpr const char* kProposed = "proposed";
 constexpr const char* kFirstFrame = "first_frame";  ///< provenance: of the clip's frame 0 in a longer recording
 
@@ -67,7 +68,7 @@ Expected<std::vector<std::size_t>> ChooseRows(const DatasetClips& clips, const A
   return rows;
 }
 
-AnnotateCard CardOf(const Clip& clip, double most_rate) {
+AnnotateCard CardOf(const Clip& clip) {
   const Motion& motion = *clip.motion;
   AnnotateCard card;
   card.clip = clip.id();
@@ -80,7 +81,7 @@ AnnotateCard CardOf(const Clip& clip, double most_rate) {
   card.recorded_hz = RecordedRate(clip).hz();
   card.view = FrontView(motion);
   card.view.yaw = std::round(1e3 * card.view.yaw) / 1e3;
-  card.poses = PackFrames(motion, std::max(1, static_cast<int>(std::ceil(card.hz / most_rate - 1e-9))));
+  card.poses = PackFrames(motion, std::max(1, static_cast<int>(std::ceil(card.hz / kMostPosesPerSecond - 1e-9))));
   card.speeds = PackSpeeds(FastestJointSpeeds(motion), kMostSpeeds);
   card.speeds.fastest = std::round(1e3 * card.speeds.fastest) / 1e3;
   for (const Segment& segment : clip.segments) {
@@ -214,7 +215,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   for (const std::size_t row : *rows) {
     const auto clip = clips->Read(row);
     if (!clip) return Forward(clip);
-    AnnotateCard card = CardOf(*clip, options->rate_hz);
+    AnnotateCard card = CardOf(*clip);
     const int joints = clip->motion->joint_count();
     for (int i = 0; i < halved; ++i) card.poses.Halve(joints);
     bytes += card.poses.rows.size();
@@ -238,7 +239,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
                 request.item, "use the spans of this dataset; these are of another: '" + session.begin()->first + "'");
   }
   std::size_t spans = 0;
-  double least = options->rate_hz;
+  double least = kMostPosesPerSecond;
   for (std::size_t i = 0; i < input.cards.size(); ++i) {
     FinishCard(fingerprints[i], input.cards[i]);
     spans += input.cards[i].spans.size();

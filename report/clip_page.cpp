@@ -19,6 +19,8 @@
 namespace mocurate {
 namespace {
 
+constexpr int kViews = 6;  // over which the body is drawn, at most
+
 const char* ClassOf(JointState state) {
   switch (state) {
     case JointState::kObserved:
@@ -147,7 +149,6 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
 
 std::string SeenHtml(const ClipPageInput& input) {
   const DrawnClip& clip = input.clip;
-  const int stills = static_cast<int>(input.options.stills);
   std::string html;
   if (!input.options.video.empty()) {
     html += "<video controls preload=\"metadata\" src=\"" + EscapeHtml(input.options.video) +
@@ -156,9 +157,9 @@ std::string SeenHtml(const ClipPageInput& input) {
     html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
   }
   if (clip.evidence.evidence.tracks) {
-    html += Figure("Before: the tracked points", FilmstripSvg(clip, stills, StripLayers::kEvidence));
+    html += Figure("Before: the tracked points", FilmstripSvg(clip, StripLayers::kEvidence));
   }
-  html += Figure("After: the fitted motion", FilmstripSvg(clip, stills, StripLayers::kFit));
+  html += Figure("After: the fitted motion", FilmstripSvg(clip, StripLayers::kFit));
   const bool points = clip.evidence.evidence.tracks.has_value();
   return html +
          "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
@@ -334,12 +335,12 @@ std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
   const Evidence& evidence = input.clip.evidence.evidence;
   const int views = ViewCount(evidence);
   if (views == 0) return "";
-  const std::vector<int> frames = FramesToDraw(series);
+  const std::vector<int> frames = FramesToDraw(series), chosen = ChosenViews(evidence, kViews);
   std::string html;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     html += "<h3>Frame " + std::to_string(frames[i]) + (i == 0 ? ", the middle" : ", the worst fit") +
             "</h3>\n<div class=\"overlays\">\n";
-    for (const int view : ChosenViews(evidence, static_cast<int>(input.options.views))) {
+    for (const int view : chosen) {
       const std::string name = EscapeHtml(ViewCamera(evidence, view).name);
       const auto png = BodyOverlayPng(input.clip.fitted, evidence, view, frames[i]);
       html += png ? "<figure><img alt=\"Fitted body over view " + name + "\" src=\"data:image/png;base64," +
@@ -348,7 +349,7 @@ std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
     }
     html += "</div>\n";
   }
-  const auto shown = static_cast<int>(ChosenViews(evidence, static_cast<int>(input.options.views)).size());
+  const auto shown = static_cast<int>(chosen.size());
   if (shown < views) html += Paragraph(std::to_string(shown) + " of " + std::to_string(views) + " views.", "soft");
   return html + Paragraph(
                     "White: outline of the fitted body. Depth: near is bright. Keypoints: those of the person "

@@ -238,8 +238,8 @@ std::vector<int> StillFrames(int frame_count, int stills) {
   return frames;
 }
 
-std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers) {
-  const std::vector<int> frames = StillFrames(FrameCountOf(clip), stills);
+std::string FilmstripSvg(const DrawnClip& clip, StripLayers layers) {
+  const std::vector<int> frames = StillFrames(FrameCountOf(clip));
   if (frames.empty()) return "";
   const StripDrawing drawing(clip, frames, layers);
   const double width = drawing.cell() * static_cast<double>(frames.size());

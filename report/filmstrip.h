@@ -43,12 +43,13 @@ struct Viewpoint {
 Viewpoint FrontView(const Motion& motion);
 
 /// Frames of stills, evenly spread, first and last included.
-std::vector<int> StillFrames(int frame_count, int stills);
+constexpr int kStills = 8;
+std::vector<int> StillFrames(int frame_count, int stills = kStills);
 int FrameCountOf(const DrawnClip& clip);
 
 /// Stick figures side by side: tracked points grey, fitted skeleton in colour, or one of both at the same positions.
 enum class StripLayers { kBoth, kEvidence, kFit };
-std::string FilmstripSvg(const DrawnClip& clip, int stills, StripLayers layers = StripLayers::kBoth);
+std::string FilmstripSvg(const DrawnClip& clip, StripLayers layers = StripLayers::kBoth);
 
 /// Canvas and controls of the player for the JSON of PlayerData with the same index in the page; `id` is its own.
 std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points);

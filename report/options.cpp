@@ -4,10 +4,7 @@
 namespace mocurate {
 
 void ReportOptions::Declare(OptionVisitor& v) {
-  v.Integer("filmstrip_clips", filmstrip_clips, {1.0, 50.0}, "fits to draw: best, worst and evenly between");
-  v.Integer("filmstrip_frames", filmstrip_frames, {2.0, 24.0}, "stills per filmstrip");
   v.Integer("pages", pages, {0.0, 1000.0}, "clips with a page of their own: best, worst and evenly between");
-  v.Integer("page_views", page_views, {0.0, 100.0}, "maximum views over which a page draws the fitted body");
   v.Bool("videos", videos, "one H.264 video for each of these pages; takes most of a report's time");
   v.Number("suspect_joint_error", suspect_joint_error, Unit::kMetre, {0.0, 10.0},
            "mean joint error of a clip above which the page reports its fit as suspect: where 3DPCK "
@@ -16,14 +13,12 @@ void ReportOptions::Declare(OptionVisitor& v) {
 
 void ReviewOptions::Declare(OptionVisitor& v) {
   v.Integer("most", most, {1.0, 2000.0}, "maximum findings shown, the worst first");
-  v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
 }
 
 void AnnotateOptions::Declare(OptionVisitor& v) {
   v.Texts("labels", labels, "labels to choose from; empty: the dataset's classes");
   v.Texts("clips", clips, "ids of clips, in full or their last part; empty: all without a label");
   v.Bool("all", all, "include clips that have a label");
-  v.Number("rate", rate_hz, Unit::kHertz, {0.1, 1000.0}, "maximum poses per second in players");
   v.Number("poses_size", poses_bytes, Unit::kByte, {1000.0, 1.0e9},
            "maximum size of the poses of all clips on the page; larger sets have fewer poses per second");
 }
@@ -40,23 +35,14 @@ void SurveyOptions::Declare(OptionVisitor& v) {
 }
 
 void ClipPageOptions::Declare(OptionVisitor& v) {
-  v.Integer("stills", stills, {1.0, 24.0}, "stills per filmstrip");
-  v.Integer("views", views, {0.0, 100.0}, "maximum views over which the body is drawn");
   v.Text("video", video, "file beside the page; empty: none");
   v.Text("no_video", no_video, "why there is no video");
-}
-
-void ClipVideoOptions::Declare(OptionVisitor& v) {
-  v.Integer("views", views, {0.0, 12.0}, "maximum views beside the front");
-  v.Integer("height", height, {64.0, 1080.0}, "height in pixels");
-  v.Integer("frames", frames, {2.0, 100000.0}, "maximum frames; longer clips are decimated");
 }
 
 void PictureOptions::Declare(OptionVisitor& v) {
   v.Choice("kind", kind,
            {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
            "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
-  v.Integer("stills", stills, {1.0, 24.0}, "stills of a clip");
 }
 
 void MotionPictureOptions::Declare(OptionVisitor& v) {

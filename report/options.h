@@ -8,11 +8,8 @@
 namespace mocurate {
 
 struct ReportOptions {
-  std::int64_t filmstrip_clips = 5;   ///< best, median and worst fits to draw
-  std::int64_t filmstrip_frames = 8;  ///< stills per strip
-  std::int64_t pages = 5;             ///< clips with a page of their own: best, worst and evenly between
-  std::int64_t page_views = 6;        ///< maximum views over which a page draws the body
-  bool videos = true;                 ///< one H.264 video per page
+  std::int64_t pages = 5;  ///< clips with a page of their own: best, worst and evenly between
+  bool videos = true;      ///< one H.264 video per page
   /// Mean joint error of a clip, metres, above which its fit is suspect: 3DPCK counts such a joint as wrong (half a
   /// head; Mehta et al., 3DV 2017), and fitting/fit_outcome.cpp such a residual.
   double suspect_joint_error = 0.15;
@@ -23,7 +20,6 @@ struct ReportOptions {
 /// Options of the review page.
 struct ReviewOptions {
   std::int64_t most = 200;  ///< maximum findings shown, the worst first
-  std::int64_t stills = 8;  ///< per filmstrip
 
   void Declare(OptionVisitor& v);
 };
@@ -33,7 +29,6 @@ struct AnnotateOptions {
   std::vector<std::string> labels;  ///< to choose from; empty: the dataset's classes
   std::vector<std::string> clips;   ///< ids or their ends; empty: all without a label
   bool all = false;                 ///< include clips that have a label
-  double rate_hz = 15.0;            ///< maximum poses per second in players
   double poses_bytes = 36.0e6;      ///< of all clips together: more are decimated
 
   void Declare(OptionVisitor& v);
@@ -57,24 +52,13 @@ enum class PictureKind { kClip, kOverlay, kCloud };
 
 struct PictureOptions {
   PictureKind kind = PictureKind::kClip;
-  std::int64_t stills = 8;  ///< of a clip
 
   void Declare(OptionVisitor& v);
 };
 
 struct ClipPageOptions {
-  std::int64_t stills = 8;  ///< per filmstrip
-  std::int64_t views = 6;   ///< maximum over which the body is drawn
-  std::string video;        ///< file beside the page; empty: none
-  std::string no_video;     ///< why there is no video
-
-  void Declare(OptionVisitor& v);
-};
-
-struct ClipVideoOptions {
-  std::int64_t views = 3;     ///< maximum beside the front
-  std::int64_t height = 480;  ///< pixels
-  std::int64_t frames = 450;  ///< maximum: longer clips are decimated, at their own speed
+  std::string video;     ///< file beside the page; empty: none
+  std::string no_video;  ///< why there is no video
 
   void Declare(OptionVisitor& v);
 };

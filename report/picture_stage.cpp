@@ -18,7 +18,7 @@ Expected<StageOutcome> PictureStage(const StageRequest& request) {
   Status drawn;
   switch (options->kind) {
     case PictureKind::kClip:
-      drawn = WriteClipPicture(clip, evidence, static_cast<int>(options->stills), request.output);
+      drawn = WriteClipPicture(clip, evidence, request.output);
       break;
     case PictureKind::kOverlay:
       drawn = WriteBodyOverlay(clip, evidence, 0, middle, request.output);

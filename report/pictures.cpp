@@ -151,9 +151,9 @@ cv::Mat FrontPainter::Draw(int frame) const {
   return Smaller(image);
 }
 
-Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png) {
+Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, const std::filesystem::path& png) {
   if (Status ok = CheckFrame(fitted, 0); !ok) return ok;
-  const std::vector<int> chosen = StillFrames(fitted.motion->frame_count(), std::max(1, frames));
+  const std::vector<int> chosen = StillFrames(fitted.motion->frame_count());
   const FrontPainter painter(fitted, evidence, chosen, 400);
   std::vector<cv::Mat> stills;
   for (const int frame : chosen) stills.push_back(painter.Draw(frame));

@@ -11,8 +11,8 @@ namespace mocurate {
 /// with the skeleton's radii, scaled by the person's bone lengths. Errors: kInconsistent when `fitted` has no motion or
 /// a frame or view does not exist, kNotFound and kMalformed for depth images, kCannotWrite.
 
-/// `frames` stills of the fitted body with the tracked points (dark) in front, time below.
-Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, int frames, const std::filesystem::path& png);
+/// Stills of the fitted body with the tracked points (dark) in front, time below.
+Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, const std::filesystem::path& png);
 
 /// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
 /// outline and bones of the fitted body over it.

@@ -57,8 +57,8 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
                        ShortText(clip.rate.hz()) + " Hz" +
                        (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
                    "soft") +
-         "<div class=\"clip\"><div>" + FilmstripSvg(drawn, static_cast<int>(input.options.stills), StripLayers::kFit) +
-         "</div>\n" + PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
+         "<div class=\"clip\"><div>" + FilmstripSvg(drawn, StripLayers::kFit) + "</div>\n" +
+         PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
          button("drop", "d") + button("relabel", "r") +
          LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +
          number("begin", 0) + number("end", frames) +

@@ -192,7 +192,7 @@ std::string FilmstripsHtml(const ReportInput& input) {
   for (std::size_t i = 0; i < input.drawn.size(); ++i) {
     const DrawnClip& clip = input.drawn[i];
     html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
-            FilmstripSvg(clip, static_cast<int>(input.options.filmstrip_frames)) + "</div>\n" +
+            FilmstripSvg(clip) + "</div>\n" +
             PlayerHtml(clip.item, std::to_string(i), clip.evidence.evidence.tracks.has_value()) + "</div>\n";
     if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
       html += Overlays(clip);

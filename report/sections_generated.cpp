@@ -15,13 +15,13 @@ const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
   return found == set.clips.end() ? nullptr : &*found;
 }
 
-std::string Strip(const std::string& title, const Clip* clip, int stills) {
+std::string Strip(const std::string& title, const Clip* clip) {
   std::string html = "<figure><figcaption>" + EscapeHtml(title) + "</figcaption>";
   if (clip == nullptr) return html + "none</figure>\n";
   DrawnClip drawn;
   drawn.item = title;
   drawn.fitted = *clip;
-  return html + FilmstripSvg(drawn, stills, StripLayers::kFit) + "</figure>\n";
+  return html + FilmstripSvg(drawn, StripLayers::kFit) + "</figure>\n";
 }
 
 }  // namespace
@@ -35,15 +35,14 @@ std::string GeneratedHtml(const ReportInput& input) {
   if (input.generated.empty() || !input.dataset) {
     return failed.empty() ? Paragraph("No network of this run generated motions.") : failed;
   }
-  const auto stills = static_cast<int>(input.options.filmstrip_frames);
   std::string html = failed + Paragraph(
                                   "One motion of each class by each network, its first seed, beside the first real "
                                   "one. They are not selected.");
   bool open = true;
   for (const std::string& label : input.dataset->labels) {
     html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +
-            Strip("Real", FirstOfLabel(*input.dataset, label), stills);
-    for (const auto& [network, set] : input.generated) html += Strip(network, FirstOfLabel(set, label), stills);
+            Strip("Real", FirstOfLabel(*input.dataset, label));
+    for (const auto& [network, set] : input.generated) html += Strip(network, FirstOfLabel(set, label));
     html += "</details>\n";
     open = false;
   }

@@ -19,6 +19,10 @@ namespace {
 /// Above this size a resample of FID takes seconds: D x D eigenvalues.
 constexpr int kLargestResampled = 128;
 constexpr int kSignChanges = 10000;  // for a p of repetitions
+constexpr int kResamples = 200;      // of bootstrap intervals, and permutations of comparisons
+constexpr int kKidSubsets = 10;
+constexpr int kKidSize = 1000;  // motions of a subset
+constexpr int kNeighbours = 5;  // k of density and coverage
 
 Features Gather(const FeatureSet& set, const std::vector<int>& rows) {
   Features features(static_cast<Eigen::Index>(rows.size()), set.feature_size);
@@ -233,8 +237,7 @@ class RowScore {
       if (row.labels[i] >= 0) right.push_back(predicted[i] == row.labels[i] ? 1.0 : 0.0);
     }
     Random random(seed(), "resamples of accuracy");
-    figures_["accuracy"].interval =
-        CentralInterval(ResampledMeans(right, static_cast<int>(options_.metrics.resamples), random));
+    figures_["accuracy"].interval = CentralInterval(ResampledMeans(right, kResamples, random));
   }
 
   Status AddSpread(const ScoredRows& row, int repetition) {
@@ -268,8 +271,7 @@ class RowScore {
       if (own.empty()) continue;
       const double mean = std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
       Random random(seed(), "resamples of quality", name);
-      figures_[name] = {{mean},
-                        CentralInterval(ResampledMeans(own, static_cast<int>(options_.metrics.resamples), random))};
+      figures_[name] = {{mean}, CentralInterval(ResampledMeans(own, kResamples, random))};
     }
   }
 
@@ -291,11 +293,10 @@ class RowScore {
   /// Metrics beside the papers', of the first repetition.
   void AddNeighbours(const Features& row, const Features& reference) {
     Random random(seed(), "subsets of KID");
-    if (const auto kid = KernelDistance(row, reference, static_cast<int>(options_.metrics.kid_subsets),
-                                        static_cast<int>(options_.metrics.kid_size), random)) {
+    if (const auto kid = KernelDistance(row, reference, kKidSubsets, kKidSize, random)) {
       figures_["KID"].values = {*kid};
     }
-    if (const auto near = CompareNeighbours(row, reference, static_cast<int>(options_.metrics.neighbours))) {
+    if (const auto near = CompareNeighbours(row, reference, kNeighbours)) {
       figures_["density"].values = {near->density};
       figures_["coverage"].values = {near->coverage};
       figures_["nearest_train"].values = {near->nearest};
@@ -305,7 +306,7 @@ class RowScore {
   /// 95 % interval of the FIDs of resampled motions, shifted to remove the bias of resampling (repeated rows).
   std::optional<std::array<double, 2>> ResampledFid(const std::string& name, const Features& row,
                                                     const Features& reference) const {
-    if (row.cols() > kLargestResampled || options_.metrics.resamples < 2) return std::nullopt;
+    if (row.cols() > kLargestResampled) return std::nullopt;
     Random random(seed(), "resamples of " + name);
     std::vector<double> values;
     const auto resample = [&](const Features& features) {
@@ -313,7 +314,7 @@ class RowScore {
       for (int& at : rows) at = static_cast<int>(random.Below(static_cast<std::uint64_t>(features.rows())));
       return RowsAt(features, rows);
     };
-    for (std::int64_t i = 0; i < options_.metrics.resamples; ++i) {
+    for (int i = 0; i < kResamples; ++i) {
       const Features a = resample(row), b = resample(reference);
       if (const auto value = FidOf(a, b)) values.push_back(*value);
     }
@@ -405,7 +406,6 @@ Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet&
 Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
                                      const FeatureSet& reference) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
-  const int exchanges = static_cast<int>(options.metrics.resamples);
   nlohmann::json metrics = nlohmann::json::object();
   if (options.draw.repetitions > 1) {
     std::vector<double> first, second;
@@ -426,7 +426,7 @@ Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureS
     if (options.fresh) metrics["FID_train"]["p"] = PairedSignTest(first, second, kSignChanges, random);
     return metrics;
   }
-  if (a.count() != b.count() || a.feature_size > kLargestResampled || exchanges == 0) return metrics;
+  if (a.count() != b.count() || a.feature_size > kLargestResampled) return metrics;
   std::vector<int> all(static_cast<std::size_t>(a.count()));
   std::iota(all.begin(), all.end(), 0);
   const Features first = Gather(a, all), second = Gather(b, all);
@@ -446,7 +446,7 @@ Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureS
   };
   Random random(seed, "exchanges");
   metrics["FID_train"] = {{"difference", difference(std::vector<bool>(all.size(), false))},
-                          {"p", PairedExchangeTest(a.count(), exchanges, difference, random)}};
+                          {"p", PairedExchangeTest(a.count(), kResamples, difference, random)}};
   return metrics;
 }
 

@@ -44,6 +44,8 @@ class PartialFile {
 
 constexpr double kMostPerSecond = 60.0;
 constexpr double kRateSlack = 1e-9;
+constexpr int kHeight = 480;   // pixels, even as H.264 needs it
+constexpr int kMostViews = 3;  // beside the front
 
 /// Decimation step: at most `most` frames in all, and at most the players' maximum rate.
 int StepOf(const Motion& motion, int most) {
@@ -57,10 +59,10 @@ void WriteName(const std::string& name, cv::Mat& image) {
 }
 
 /// H.264 needs even sides.
-cv::Mat Even(const cv::Mat& image, int height) {
+cv::Mat Even(const cv::Mat& image) {
   cv::Mat even;
-  cv::copyMakeBorder(image(cv::Rect(0, 0, image.cols, std::min(image.rows, height))), even, 0,
-                     std::max(0, height - image.rows), 0, image.cols % 2, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(image(cv::Rect(0, 0, image.cols, std::min(image.rows, kHeight))), even, 0,
+                     std::max(0, kHeight - image.rows), 0, image.cols % 2, cv::BORDER_REPLICATE);
   return even;
 }
 
@@ -69,13 +71,13 @@ struct Panels {
   std::vector<ViewPainter> views;
   std::vector<std::string> names;
 
-  Expected<cv::Mat> Draw(int frame, int height) const {
-    std::vector<cv::Mat> images = {Even(front.Draw(frame), height)};
+  Expected<cv::Mat> Draw(int frame) const {
+    std::vector<cv::Mat> images = {Even(front.Draw(frame))};
     for (std::size_t i = 0; i < views.size(); ++i) {
       auto image = views[i].Draw(frame);
       if (!image) return image;
       WriteName(names[i], *image);
-      images.push_back(Even(*image, height));
+      images.push_back(Even(*image));
     }
     cv::Mat joined;
     cv::hconcat(images, joined);
@@ -115,26 +117,24 @@ Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
   return count;
 }
 
-Expected<int> WriteClipVideo(const DrawnClip& clip, const ClipVideoOptions& options,
-                             const std::filesystem::path& file) {
+Expected<int> WriteClipVideo(const DrawnClip& clip, const std::filesystem::path& file, int most_pictures) {
   if (Status ok = CheckFrame(clip.fitted, 0); !ok) return Forward(ok);
   const Motion& motion = *clip.fitted.motion;
   const Evidence& evidence = clip.evidence.evidence;
   const int frames = motion.frame_count();
-  const int step = StepOf(motion, static_cast<int>(options.frames));
-  const int height = static_cast<int>(options.height) / 2 * 2;
+  const int step = StepOf(motion, most_pictures);
   std::vector<int> shown;
   for (int f = 0; f < frames; f += step) shown.push_back(f);
-  Panels panels{FrontPainter(clip.fitted, evidence, shown, height), {}, {}};
-  for (const int view : ChosenViews(evidence, static_cast<int>(options.views))) {
-    auto painter = ViewPainter::Make(clip.fitted, evidence, view, shown, height, true);
+  Panels panels{FrontPainter(clip.fitted, evidence, shown, kHeight), {}, {}};
+  for (const int view : ChosenViews(evidence, kMostViews)) {
+    auto painter = ViewPainter::Make(clip.fitted, evidence, view, shown, kHeight, true);
     if (!painter) return Forward(painter);
     panels.views.push_back(std::move(*painter));
     panels.names.push_back(ViewCamera(evidence, view).name);
   }
   return WriteVideo(
       clip.item, motion.rate.hz() / step, static_cast<int>(shown.size()),
-      [&](int picture) { return panels.Draw(shown[static_cast<std::size_t>(picture)], height); }, file);
+      [&](int picture) { return panels.Draw(shown[static_cast<std::size_t>(picture)]); }, file);
 }
 
 }  // namespace mocurate

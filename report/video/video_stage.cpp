@@ -11,11 +11,9 @@
 namespace mocurate {
 
 Expected<StageOutcome> ClipVideoStage(const StageRequest& request) {
-  const auto options = OptionsFromJson<ClipVideoOptions>(request.options, "clip_video");
-  if (!options) return Forward(options);
   const auto drawn = ReadDrawnClip(request);
   if (!drawn) return Forward(drawn);
-  const auto pictures = WriteClipVideo(*drawn, *options, request.output);
+  const auto pictures = WriteClipVideo(*drawn, request.output);
   if (!pictures) return Forward(pictures);
   StageOutcome outcome;
   outcome.summary = {{"pictures", *pictures}};

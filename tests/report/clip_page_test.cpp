@@ -147,8 +147,8 @@ TEST(ClipPage, DrawsTheBodyOverKeypointsOfEveryView) {
   ASSERT_TRUE(page) << page.error().Message();
   EXPECT_THAT(*page, HasSubstr("Fitted body over view front"));
   EXPECT_THAT(*page, HasSubstr("Fitted body over view second"));
-  input.options.views = 1;
-  EXPECT_THAT(*MakeClipPage(input), HasSubstr("1 of 2 views."));
+  evidence.keypoint_views.resize(7, evidence.keypoint_views[1]);
+  EXPECT_THAT(*MakeClipPage(input), HasSubstr("6 of 7 views."));
 
   const auto painter = ViewPainter::Make(input.clip.fitted, evidence, 0, {10}, 480, true);
   ASSERT_TRUE(painter) << painter.error().Message();
@@ -164,12 +164,10 @@ TEST(ClipPage, DrawsTheBodyOverKeypointsOfEveryView) {
 TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSamePicturesAgain) {
   ScratchFolder folder;
   const ClipPageInput input = OneClip();
-  ClipVideoOptions options;
-  options.height = 240;
-  const auto pictures = WriteClipVideo(input.clip, options, folder / "a");
+  const auto pictures = WriteClipVideo(input.clip, folder / "a");
   ASSERT_TRUE(pictures) << pictures.error().Message();
   EXPECT_EQ(*pictures, 40);
-  ASSERT_TRUE(WriteClipVideo(input.clip, options, folder / "b"));
+  ASSERT_TRUE(WriteClipVideo(input.clip, folder / "b"));
   cv::VideoCapture first((folder / "a").string(), cv::CAP_FFMPEG);
   cv::VideoCapture again((folder / "b").string(), cv::CAP_FFMPEG);
   cv::Mat one;
@@ -181,23 +179,20 @@ TEST(ClipVideo, IsH264WithAPictureForEveryFrameAndTheSamePicturesAgain) {
   cv::VideoCapture video((folder / "a").string(), cv::CAP_FFMPEG);
   ASSERT_TRUE(video.isOpened());
   EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT)), 40);
-  EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_HEIGHT)), 240);
+  EXPECT_EQ(static_cast<int>(video.get(cv::CAP_PROP_FRAME_HEIGHT)), 480);
   EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 30.0, 1e-3);
   const auto code = static_cast<int>(video.get(cv::CAP_PROP_FOURCC));
   const std::string name = {static_cast<char>(code), static_cast<char>(code >> 8), static_cast<char>(code >> 16),
                             static_cast<char>(code >> 24)};
   EXPECT_THAT(name, testing::AnyOf("avc1", "h264", "H264"));
-  options.frames = 10;
-  EXPECT_EQ(*WriteClipVideo(input.clip, options, folder / "c"), 10);
+  EXPECT_EQ(*WriteClipVideo(input.clip, folder / "c", 10), 10);
 }
 
 TEST(ClipVideo, OfAFastCameraPlaysAtTheSpeedOfTheClip) {
   ScratchFolder folder;
   ClipPageInput input = OneClip();
   input.clip.fitted.motion->rate = FrameRate{240, 1};
-  ClipVideoOptions options;
-  options.height = 240;
-  const auto pictures = WriteClipVideo(input.clip, options, folder / "fast");
+  const auto pictures = WriteClipVideo(input.clip, folder / "fast");
   ASSERT_TRUE(pictures) << pictures.error().Message();
   EXPECT_EQ(*pictures, 10);
   const cv::VideoCapture video((folder / "fast").string(), cv::CAP_FFMPEG);

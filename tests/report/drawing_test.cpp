@@ -121,7 +121,7 @@ TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
     ASSERT_TRUE(written) << written.error().Message();
     EXPECT_EQ(ReadFile(png)->substr(1, 3), "PNG");
   };
-  expect_png(WriteClipPicture(fitted_, evidence_, 4, png));
+  expect_png(WriteClipPicture(fitted_, evidence_, png));
   expect_png(WriteBodyOverlay(fitted_, evidence_, 0, 20, png));
   expect_png(WriteCloudPicture(fitted_, evidence_, 20, png));
 }
@@ -150,7 +150,7 @@ TEST_F(PictureTest, WhatIsNotThereIsNamed) {
   const auto png = run_.folder / "picture.png";
   EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 3, 20, png).error().code, ErrorCode::kInconsistent);
   EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 400, png).error().code, ErrorCode::kInconsistent);
-  EXPECT_EQ(WriteClipPicture(Clip(), evidence_, 4, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(WriteClipPicture(Clip(), evidence_, png).error().code, ErrorCode::kInconsistent);
   evidence_.depth_views[0].camera.width = 100;
   EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 20, png).error().code, ErrorCode::kInconsistent);
   ASSERT_TRUE(WriteFile(run_.folder / "depth.png", "no picture"));
