@@ -386,7 +386,7 @@ class MainJob {
       return written;
     }
     if (!result_.metrics.at("rows").empty()) {
-      if (Status table = WriteTable(result_.metrics, "table", result_.table); !table) return table;
+      if (Status written = WriteTable(result_.metrics, "table", result_.table); !written) return written;
     }
     if (recognition_.at("rows").empty()) return {};
     recognition_["notes"] = TrainingNotes(options_.train, RecogniserOf(options_));
@@ -397,11 +397,11 @@ class MainJob {
     return WriteTable(recognition_, "recognition", result_.recognition);
   }
 
-  Status WriteTable(const nlohmann::json& result, const char* name, std::string& markdown) {
-    const auto written = WriteTables(result, options_.name, folder() / "tables", name);
+  Status WriteTable(const nlohmann::json& result, const char* name, Table& table) {
+    table = ResultTable(result, options_.name);
+    const auto written = WriteTables(result, table, folder() / "tables", name);
     if (!written) return Forward(written);
-    markdown = written->markdown;
-    result_.tables.insert(result_.tables.end(), written->files.begin(), written->files.end());
+    result_.tables.insert(result_.tables.end(), written->begin(), written->end());
     return {};
   }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/pipeline/runner.h"
+#include "eval/tables/table.h"
 #include "job/curation_log.h"
 #include "job/job_items.h"
 #include "job/job_options.h"
@@ -21,8 +22,8 @@ struct JobResult {
   std::filesystem::path dataset;
   std::filesystem::path report;
   std::vector<std::filesystem::path> tables;
-  std::string table;        ///< Markdown
-  std::string recognition;  ///< the same of the recognisers
+  Table table;
+  Table recognition;  ///< of the recognisers
   ClipCounts counts;
   int folders_failed = 0;    ///< of the folders, where ingest.source.other_files is error
   nlohmann::json fit_error;  ///< error against the truth; null without truth

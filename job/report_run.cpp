@@ -90,6 +90,12 @@ nlohmann::json ClipSummary(const ClipRecord& clip) {
   return summary;
 }
 
+/// {"title", "rows": [cells, the heading first], "notes"} of a table; null where it has no rows.
+nlohmann::json TableTexts(const Table& table) {
+  if (table.rows.empty()) return nullptr;
+  return {{"title", table.title}, {"rows", CellTexts(table)}, {"notes", LinesBelow(table)}};
+}
+
 /// Contents of the report, without anything that differs between equal runs (times, paths).
 nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) {
   const JobOptions& options = reported.options;
@@ -105,8 +111,8 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
                         {"pages", result.pages},
-                        {"table_markdown", result.table},
-                        {"recognition_markdown", result.recognition},
+                        {"table", TableTexts(result.table)},
+                        {"recognition", TableTexts(result.recognition)},
                         {"findings", result.set_findings},
                         {"stages", nlohmann::json::array()},
                         {"clips", nlohmann::json::array()},

@@ -13,57 +13,22 @@ namespace {
 
 constexpr int kMostPoints = 240;
 
-/// Markdown as plain text: no stars, no escapes.
-std::string PlainText(std::string_view markdown) {
-  std::string text;
-  for (std::size_t i = 0; i < markdown.size(); ++i) {
-    if (markdown.substr(i, 2) == "**") {
-      ++i;
-      continue;
-    }
-    if (markdown[i] == '\\' && i + 1 < markdown.size()) ++i;
-    text += markdown[i];
+/// A table {"title", "rows": [cells, the heading first], "notes"} of texts; empty where it is null.
+std::string HtmlOfTexts(const nlohmann::json& texts) {
+  if (!texts.is_object()) return "";
+  HtmlTable table{EscapeHtml(TextOf(texts, "title")), {}, {}, true};
+  for (const nlohmann::json& row : Elements(Field(texts, "rows"))) {
+    std::vector<std::string> cells;
+    for (const nlohmann::json& cell : row) cells.push_back(EscapeHtml(cell.get<std::string>()));
+    table.rows.push_back(std::move(cells));
   }
-  return text;
-}
-
-/// Cells of a row of a table; an escaped bar does not end a cell. Empty for a line that is not a row.
-std::vector<std::string> CellsOfLine(std::string_view line) {
-  std::vector<std::string> cells;
-  const std::string_view row = Trim(line);
-  if (row.size() < 2 || row.front() != '|') return cells;
-  std::size_t begin = 1;
-  for (std::size_t i = 1; i < row.size(); ++i) {
-    if (row[i] == '\\') {
-      ++i;
-    } else if (row[i] == '|') {
-      cells.push_back(EscapeHtml(PlainText(Trim(row.substr(begin, i - begin)))));
-      begin = i + 1;
-    }
+  table.head = table.rows.front();
+  table.rows.erase(table.rows.begin());
+  std::string html = table.Html();
+  for (const nlohmann::json& note : Elements(Field(texts, "notes"))) {
+    html += Paragraph(EscapeHtml(note.get<std::string>()), "soft");
   }
-  return cells;
-}
-
-/// A table of Markdown and the lines around it.
-std::string MarkdownToHtml(const std::string& markdown) {
-  HtmlTable table;
-  std::string notes;
-  for (const std::string_view line : SplitText(markdown, '\n')) {
-    const std::vector<std::string> cells = CellsOfLine(line);
-    if (cells.empty()) {
-      const std::string note = EscapeHtml(PlainText(Trim(line)));
-      if (note.empty()) continue;
-      if (table.head.empty())
-        table.caption = note;
-      else
-        notes += Paragraph(note, "soft");
-    } else if (table.head.empty()) {
-      table.head = cells;
-    } else if (cells.front().find_first_not_of("-: ") != std::string::npos) {
-      table.rows.push_back(cells);
-    }
-  }
-  return table.head.empty() ? notes : table.Html() + notes;
+  return html;
 }
 
 std::string ConfusionTable(const nlohmann::json& scored) {
@@ -190,9 +155,9 @@ std::string UntrainedHtml(const nlohmann::json& run) {
 }  // namespace
 
 std::string TableHtml(const ReportInput& input) {
-  const std::string markdown = TextOf(input.run, "table_markdown");
-  if (!markdown.empty()) return MarkdownToHtml(markdown);
-  if (!TextOf(input.run, "recognition_markdown").empty()) {
+  const std::string table = HtmlOfTexts(Field(input.run, "table"));
+  if (!table.empty()) return table;
+  if (Field(input.run, "recognition").is_object()) {
     return Paragraph("Only recognisers were scored: their table is under Recognition.");
   }
   const nlohmann::json& failed = Field(input.run, "unevaluated");
@@ -227,8 +192,7 @@ std::string RecognisersHtml(const ReportInput& input) {
                           CountText(CountOf(nearest, "count"))});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
-  const std::string markdown = TextOf(input.run, "recognition_markdown");
-  std::string html = table.Html() + (markdown.empty() ? std::string() : MarkdownToHtml(markdown));
+  std::string html = table.Html() + HtmlOfTexts(Field(input.run, "recognition"));
   for (const auto& [name, scored] : recognisers.items()) {
     const std::string confusion = ConfusionTable(scored);
     if (confusion.empty()) continue;

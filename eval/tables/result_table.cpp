@@ -168,21 +168,19 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   return table;
 }
 
-Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::string& title,
-                                    const std::filesystem::path& folder, const std::string& name) {
+Expected<std::vector<std::filesystem::path>> WriteTables(const nlohmann::json& result, const Table& table,
+                                                         const std::filesystem::path& folder, const std::string& name) {
   if (Status made = MakeFolder(folder); !made) return Forward(made);
-  const Table table = ResultTable(result, title);
   const nlohmann::json rows = {{"rows", result.at("rows")},
                                {"published", result.value("published", nlohmann::json::array())},
                                {"notes", table.notes}};
-  WrittenTables written;
-  written.markdown = ToMarkdown(table);
+  std::vector<std::filesystem::path> written;
   const std::pair<const char*, std::string> files[] = {
-      {".md", written.markdown}, {".csv", ToCsv(table)}, {".tex", ToLatex(table)}, {".json", rows.dump(1) + "\n"}};
+      {".md", ToMarkdown(table)}, {".csv", ToCsv(table)}, {".tex", ToLatex(table)}, {".json", rows.dump(1) + "\n"}};
   for (const auto& [ending, text] : files) {
     const std::filesystem::path file = folder / (name + ending);
     if (Status done = WriteFile(file, text); !done) return Forward(done);
-    written.files.push_back(file);
+    written.push_back(file);
   }
   return written;
 }

@@ -33,13 +33,10 @@ Table::Cell CellOf(const nlohmann::json& metric);
 /// method of that name.
 Table ResultTable(const nlohmann::json& result, const std::string& title);
 
-struct WrittenTables {
-  std::string markdown;
-  std::vector<std::filesystem::path> files;
-};
-
-/// That table as NAME.md, .csv, .tex and .json ({"rows", "published", "notes"}) below `folder`. Error kCannotWrite.
-Expected<WrittenTables> WriteTables(const nlohmann::json& result, const std::string& title,
-                                    const std::filesystem::path& folder, const std::string& name = "table");
+/// That table as NAME.md, .csv, .tex and .json ({"rows", "published", "notes"}) below `folder`. Returns the files.
+/// Error kCannotWrite.
+Expected<std::vector<std::filesystem::path>> WriteTables(const nlohmann::json& result, const Table& table,
+                                                         const std::filesystem::path& folder,
+                                                         const std::string& name = "table");
 
 }  // namespace mocurate

@@ -90,19 +90,40 @@ std::string LatexText(std::string_view text) {
 
 }  // namespace
 
-std::string ToMarkdown(const Table& table) {
-  std::string text = "**" + MarkdownText(table.title) + "**\n\n| method |";
-  for (const std::string& column : table.columns) text += " " + MarkdownText(column) + " |";
-  text += "\n|---|";
-  for (std::size_t c = 0; c < table.columns.size(); ++c) text += "---|";
-  text += "\n";
+std::vector<std::vector<std::string>> CellTexts(const Table& table) {
+  std::vector<std::vector<std::string>> texts = {{"method"}};
+  texts[0].insert(texts[0].end(), table.columns.begin(), table.columns.end());
   for (const Table::Row& row : table.rows) {
-    text += "| " + MarkdownText(row.name) + (row.unconverged ? " ‡" : "") +
-            (row.source.empty() ? "" : " (" + MarkdownText(row.source) + ")") + " |";
+    const std::string source = row.source.empty() ? "" : " (" + row.source + ")";
+    texts.push_back({row.name + (row.unconverged ? " ‡" : "") + source});
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
-      text += " " + (cell.value ? CellText(cell, table.digits[c], " ± ", "†") : "-") + " |";
+      texts.back().push_back(cell.value ? CellText(cell, table.digits[c], " ± ", "†") : "-");
     }
+  }
+  return texts;
+}
+
+std::vector<std::string> LinesBelow(const Table& table) {
+  std::vector<std::string> lines = Meanings(table);
+  for (std::string& line : lines) line += ".";
+  lines.insert(lines.end(), table.notes.begin(), table.notes.end());
+  return lines;
+}
+
+std::string ToMarkdown(const Table& table) {
+  std::string text = "**" + MarkdownText(table.title) + "**\n\n";
+  const std::vector<std::vector<std::string>> rows = CellTexts(table);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    text += "|";
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      const bool value = r > 0 && c > 0;  // numbers and dashes need no escapes
+      text += " " + (value ? rows[r][c] : MarkdownText(rows[r][c])) + " |";
+    }
+    text += "\n";
+    if (r > 0) continue;
+    text += "|";
+    for (std::size_t c = 0; c < rows[r].size(); ++c) text += "---|";
     text += "\n";
   }
   text += "\n";
@@ -150,9 +171,7 @@ std::string ToLatex(const Table& table) {
     text += " \\\\\n";
   }
   text += "\\bottomrule\n\\end{tabular}\n\n\\smallskip{\\footnotesize";
-  std::vector<std::string> lines = Meanings(table);
-  for (std::string& line : lines) line += ".";
-  lines.insert(lines.end(), table.notes.begin(), table.notes.end());
+  const std::vector<std::string> lines = LinesBelow(table);
   for (std::size_t i = 0; i < lines.size(); ++i) text += (i == 0 ? " " : "\n") + LatexText(lines[i]);
   return text + "}\n";
 }

@@ -31,6 +31,10 @@ struct Table {
   std::vector<std::string> notes;
 };
 
+/// Texts of the heading and of the rows: name and source, then "0.923 ± 0.002" for each column.
+std::vector<std::vector<std::string>> CellTexts(const Table& table);
+/// Lines below a table: the meanings of ±, † and ‡, then the notes.
+std::vector<std::string> LinesBelow(const Table& table);
 /// "0.923 ± 0.002" per cell, † after a marked value, ‡ after the name of an unconverged row; published rows follow ours
 /// under their own heading. Below are the meanings of ±, then the notes. Names and notes are plain text: markup
 /// characters are escaped.

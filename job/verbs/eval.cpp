@@ -230,7 +230,8 @@ Status WriteResults(const nlohmann::json& result, const EvaluationResult& evalua
     if (Status copied = CopyWhole(file, folder / "features" / (safe + ".h5")); !copied) return copied;
   }
   if (Status written = WriteFile(folder / "metrics.json", result.dump(1) + "\n"); !written) return written;
-  const auto tables = WriteTables(result, result.at("protocol").get<std::string>(), folder / "tables");
+  const Table table = ResultTable(result, result.at("protocol").get<std::string>());
+  const auto tables = WriteTables(result, table, folder / "tables");
   return tables ? Status() : Forward(tables);
 }
 

@@ -81,8 +81,9 @@ void PrintResult(const JobResult& result, double seconds) {
           Counted(result.counts.clips, "clip").c_str());
   }
   PrintFigures(result);
-  if (!result.table.empty()) Print("\n%s\n", result.table.c_str());
-  if (!result.recognition.empty()) Print("\n%s\n", result.recognition.c_str());
+  for (const Table* table : {&result.table, &result.recognition}) {
+    if (!table->rows.empty()) Print("\n%s\n", ToMarkdown(*table).c_str());
+  }
   if (!result.dataset.empty()) {
     Print("dataset  %s  (%s)\n", DisplayPath(result.dataset).c_str(),
           Counted(static_cast<long long>(result.dataset_clips), "clip").c_str());

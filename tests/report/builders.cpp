@@ -113,7 +113,10 @@ SmallRun::SmallRun(const std::string& label) {
            {"bone_direction_deg", 2.0},
            {"frames", 120},
            {"clips", 3}}},
-         {"table_markdown", "**small**\n\n| method | FID |\n|---|---|\n| Real | 0.200 ± 0.100 |\n\n± is explained.\n"}};
+         {"table",
+          {{"title", "small"},
+           {"rows", std::vector<std::vector<std::string>>{{"method", "FID"}, {"Real", "0.200 ± 0.100"}}},
+           {"notes", {"± is explained."}}}}};
   double residual = 5.0;
   for (const char* name : {"a", "b", "c"}) {
     Clip evidence;

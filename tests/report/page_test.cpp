@@ -170,9 +170,8 @@ TEST(ReportPage, NeedsNothingOutsideItself) {
 TEST(ReportPage, StaysReadableWhenEveryClipFailed) {
   SmallRun run;
   run.run["clips"] = {FailedClip("a", "empty file"), FailedClip("b", "empty file")};
-  for (const char* key : {"audit", "metrics", "fit_error"}) run.run[key] = nullptr;
+  for (const char* key : {"audit", "metrics", "fit_error", "table"}) run.run[key] = nullptr;
   run.run["persons"] = nlohmann::json::object();
-  run.run["table_markdown"] = "";
   run.inputs.clear();
   const std::string page = PageOf(run);
   ExpectAllSections(page);
@@ -184,7 +183,8 @@ TEST(ReportPage, StaysReadableWhenEveryClipFailed) {
 
 TEST(ReportPage, ShowsNamesOfATableAsTheyAreWritten) {
   SmallRun run;
-  run.run["table_markdown"] = "**my\\_run**\n\n| method | FID |\n|---|---|\n| a\\|b\\_c\\\\ | 0.200 |\n\nn\\_1.\n";
+  const std::vector<std::vector<std::string>> rows = {{"method", "FID"}, {"a|b_c\\", "0.200"}};
+  run.run["table"] = {{"title", "my_run"}, {"rows", rows}, {"notes", {"n_1."}}};
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("my_run"));
   EXPECT_THAT(page, HasSubstr("a|b_c\\</th>"));
@@ -248,7 +248,7 @@ TEST(ReportPage, TheRunsOfAStageOnRawTracksBearTheirName) {
 TEST(ReportPage, AnEvaluationThatFailedSaysWhyInPlaceOfTheTable) {
   SmallRun run;
   run.run["metrics"] = nullptr;
-  run.run["table_markdown"] = "";
+  run.run["table"] = nullptr;
   run.run["unevaluated"] = {{"code", "inconsistent"}, {"message", "class a<b is missing"}};
   EXPECT_THAT(PageOf(run), HasSubstr("There is no table: the evaluation failed. class a&lt;b is missing"));
 }
