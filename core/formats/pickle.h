@@ -131,8 +131,9 @@ struct PickleLimits {
 };
 
 /// Protocols 0 to 5, joblib files that are not packed. A stack machine over data: nothing of the file runs. A fixed
-/// list of class names stands for dictionaries, bytes, numpy arrays and scalars, scipy's sparse matrices, chumpy
-/// arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors kMalformed, kUnsupported.
+/// list of class names stands for dictionaries, sets (read as lists), bytes, numpy arrays and scalars, scipy's sparse
+/// matrices, chumpy arrays and joblib's wrappers; every other name or opcode is an error that names it. Errors
+/// kMalformed, kUnsupported.
 Expected<Pickle> ParsePickle(std::string_view bytes, const std::string& name, const PickleLimits& limits = {});
 
 /// That error for a pickle inside another file, of arrays of objects or of PyTorch; it names `name`. Empty where all is

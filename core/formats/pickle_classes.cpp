@@ -23,6 +23,8 @@ constexpr PickleClassName kClasses[] = {
     {"builtins bytes", PickleClass::kBytes, nullptr},
     {"__builtin__ bytearray", PickleClass::kBytes, nullptr},
     {"builtins bytearray", PickleClass::kBytes, nullptr},
+    {"__builtin__ set", PickleClass::kSet, nullptr},
+    {"builtins set", PickleClass::kSet, nullptr},
     {"__builtin__ object", PickleClass::kObject, nullptr},
     {"builtins object", PickleClass::kObject, nullptr},
     {"copy_reg _reconstructor", PickleClass::kReconstructor, nullptr},
@@ -151,6 +153,10 @@ Status PickleMachine::Reduce() {
         return PushText(PickleKind::kBytes, At(items[0]).text);
       }
       return Encode(items);
+    case PickleClass::kSet:
+      if (items.size() != 1 || At(items[0]).kind != PickleKind::kList) return Bad("a set that is not made of a list");
+      stack_.push_back(items[0]);
+      return {};
     case PickleClass::kReconstructor:
       if (items.size() != 3 || At(items[0]).kind != PickleKind::kClass || At(items[1]).kind != PickleKind::kClass ||
           MeaningOf(At(items[1])) != PickleClass::kObject) {

@@ -202,6 +202,7 @@ Status PickleMachine::Step(unsigned char opcode) {
     case 0x85:
     case 0x86:
     case 0x87:
+    case 0x90:  // ADDITEMS
       return StepContainer(opcode);
     case 'p':
     case 'q':
@@ -230,6 +231,7 @@ Status PickleMachine::Step(unsigned char opcode) {
       value.kind = PickleKind::kDict;
       return Push(std::move(value));
     case ']':
+    case 0x8f:  // EMPTY_SET
       value.kind = PickleKind::kList;
       return Push(std::move(value));
     default:

@@ -24,6 +24,7 @@ enum class PickleClass {
   kFromBuffer,
   kEncode,
   kBytes,
+  kSet,  ///< of chumpy's objects; read as a list
   kObject,
   kReconstructor,
   kCsc,
