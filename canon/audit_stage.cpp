@@ -9,6 +9,7 @@
 #include "canon/audit/set_errors.h"
 #include "canon/options.h"
 #include "canon/review/review.h"
+#include "canon/splits/leaks.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
@@ -232,7 +233,6 @@ Expected<StageOutcome> AuditStage(const StageRequest& request) {
   audit["findings"] = per_code;
   StageOutcome outcome;
   outcome.summary = audit;
-  audit["coverage"] = CoverageOf(*dataset);
   const nlohmann::json file = {
       {"findings", std::move(list)}, {"summary", std::move(audit)}, {"clips", ClipsJson(*dataset, measures, nearest)}};
   if (Status written =

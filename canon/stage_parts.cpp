@@ -58,9 +58,4 @@ void SortById(std::vector<Clip>& clips) {
   std::sort(clips.begin(), clips.end(), [](const Clip& a, const Clip& b) { return a.id() < b.id(); });
 }
 
-nlohmann::json SplitSummary(const Split& split) {
-  return {{"name", split.name},        {"train", split.train.size()}, {"validation", split.validation.size()},
-          {"test", split.test.size()}, {"rule", split.rule},          {"leak_check", split.leak_check}};
-}
-
 }  // namespace mocurate

@@ -24,7 +24,4 @@ Status CheckFrameSteps(const Clip& clip);
 
 void SortById(std::vector<Clip>& clips);
 
-/// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}
-nlohmann::json SplitSummary(const Split& split);
-
 }  // namespace mocurate

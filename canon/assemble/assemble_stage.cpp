@@ -6,6 +6,7 @@
 #include "canon/options.h"
 #include "canon/recipes/classes.h"
 #include "canon/review/review.h"
+#include "canon/splits/leaks.h"
 #include "canon/splits/splits.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"

@@ -4,14 +4,12 @@
 #include <cctype>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "canon/splits/groups.h"
 #include "canon/splits/leaks.h"
 #include "canon/splits/splits.h"
-#include "core/base/median.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -122,32 +120,6 @@ std::vector<AuditFinding> FindSetErrors(const Dataset& dataset) {
                                  "them; unify the names in the source"));
   }
   return findings;
-}
-
-nlohmann::json CoverageOf(const Dataset& dataset) {
-  std::map<std::string, std::set<std::string>> persons;
-  std::map<std::string, std::vector<double>> seconds;
-  for (const Clip& clip : dataset.clips) {
-    persons[clip.label].insert(clip.identity.person);
-    if (clip.motion) seconds[clip.label].push_back(clip.motion->duration());
-  }
-  nlohmann::json coverage = {{"persons_of_class", nlohmann::json::object()},
-                             {"seconds_of_class", nlohmann::json::object()},
-                             {"empty_classes", nlohmann::json::array()}};
-  std::size_t least = dataset.clips.size(), most = 0;
-  for (const auto& [label, own] : seconds) {
-    coverage["persons_of_class"][label] = persons[label].size();
-    coverage["seconds_of_class"][label] = {{"least", *std::min_element(own.begin(), own.end())},
-                                           {"median", Median(own)},
-                                           {"most", *std::max_element(own.begin(), own.end())}};
-    least = std::min(least, own.size());
-    most = std::max(most, own.size());
-  }
-  for (const std::string& label : dataset.labels) {
-    if (persons.count(label) == 0) coverage["empty_classes"].push_back(label);
-  }
-  coverage["imbalance"] = least > 0 ? static_cast<double>(most) / static_cast<double>(least) : 0.0;
-  return coverage;
 }
 
 }  // namespace mocurate

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "canon/audit/clip_errors.h"
@@ -12,9 +11,5 @@ namespace mocurate {
 /// (error): a person, style or performance is in two parts of a split that keeps them apart by its rule, with a clip of
 /// either part; a warning for all persons of a split whose rule is unknown. The others are without a clip.
 std::vector<AuditFinding> FindSetErrors(const Dataset& dataset);
-
-/// Coverage of the classes: {"persons_of_class": {class: count}, "seconds_of_class": {class: {least, median, most}},
-/// "imbalance": clips of the largest class divided by those of the smallest non-empty one, "empty_classes": [...]}.
-nlohmann::json CoverageOf(const Dataset& dataset);
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "canon/splits/leaks.h"
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/table_text.h"
@@ -87,12 +88,7 @@ Expected<nlohmann::json> DescribeDataset(const std::filesystem::path& path) {
   }
   card["splits"] = nlohmann::json::array();
   for (const Split& split : clips->splits()) {
-    card["splits"].push_back({{"name", split.name},
-                              {"train", split.train.size()},
-                              {"validation", split.validation.size()},
-                              {"test", split.test.size()},
-                              {"rule", split.rule},
-                              {"leak_check", split.leak_check}});
+    card["splits"].push_back(SplitSummary(split));
   }
   std::map<std::string, int> findings;
   for (const std::string& code : clips->finding_codes()) ++findings[code];

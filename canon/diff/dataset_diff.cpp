@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "canon/splits/leaks.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
@@ -21,14 +22,13 @@ std::map<std::string, std::size_t> RowsById(const DatasetClips& clips) {
 }
 
 /// Part of each clip in each split: split -> clip -> "train".
-std::map<std::string, std::map<std::string, std::string>> PartsOf(const DatasetClips& clips) {
+std::map<std::string, std::map<std::string, std::string>> PartsBySplit(const DatasetClips& clips) {
   std::map<std::string, std::map<std::string, std::string>> parts;
   for (const Split& split : clips.splits()) {
     auto& own = parts[split.name];
-    const std::pair<const char*, const std::vector<int>*> rows[] = {
-        {"train", &split.train}, {"validation", &split.validation}, {"test", &split.test}};
-    for (const auto& [part, of_part] : rows) {
-      for (const int row : *of_part) own[clips.Id(static_cast<std::size_t>(row))] = part;
+    const std::vector<int> of_rows = PartsOf(split, clips.size());
+    for (std::size_t row = 0; row < of_rows.size(); ++row) {
+      if (of_rows[row] >= 0) own[clips.Id(row)] = NameOfPart(of_rows[row]);
     }
   }
   return parts;
@@ -110,7 +110,7 @@ Expected<nlohmann::json> DiffDatasets(const std::filesystem::path& before, const
     diff[key] = nlohmann::json::array();
   }
   const auto rows_a = RowsById(*a), rows_b = RowsById(*b);
-  const auto parts_a = PartsOf(*a), parts_b = PartsOf(*b);
+  const auto parts_a = PartsBySplit(*a), parts_b = PartsBySplit(*b);
   for (const auto& [name, parts] : parts_b) {
     if (parts_a.count(name) == 0) diff["splits_added"].push_back(name);
   }

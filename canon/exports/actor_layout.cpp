@@ -8,6 +8,7 @@
 #include "canon/exports/clip_names.h"
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
+#include "canon/splits/leaks.h"
 #include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
@@ -108,11 +109,11 @@ class ActorWriter : public LayoutWriter {
     writer.Text("splits");
     writer.BeginDict();
     for (const Split& split : set_.splits) {
-      const std::vector<std::string> parts = PartOfEachClip(split, set_.ids.size());
+      const std::vector<int> parts = PartsOf(split, set_.ids.size());
       writer.Text(WithoutControls(split.name));
       writer.BeginDict();
-      for (const char* part : {"train", "validation", "test"}) {
-        writer.Text(part);
+      for (int part = 0; part < 3; ++part) {
+        writer.Text(NameOfPart(part));
         writer.BeginList();
         for (std::size_t i = 0; i < clips_.size(); ++i) {
           if (parts[clips_[i].position] == part) writer.Integer(static_cast<std::int64_t>(i));

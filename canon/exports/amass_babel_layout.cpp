@@ -12,6 +12,7 @@
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
 #include "canon/frames/level.h"
+#include "canon/splits/leaks.h"
 #include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
@@ -132,7 +133,7 @@ class AmassBabelWriter : public LayoutWriter {
   explicit AmassBabelWriter(const ExportSet& set) : set_(set), names_(set.ids, RecordingNames::kOfSet) {
     source_ = FileNames({kClipTable, kDeclarationFile, kSkeletonFile, kLabelTable, kBabelFolder}).Of(names_.source());
     for (std::size_t i = 0; i < set.ids.size(); ++i) named_poses_ = named_poses_ && EndsInPoses(names_.Recording(i));
-    if (!set.splits.empty()) parts_ = PartOfEachClip(set.splits.front(), set.ids.size());
+    if (!set.splits.empty()) parts_ = PartsOf(set.splits.front(), set.ids.size());
   }
 
   Expected<std::vector<ExportedFile>> Add(std::size_t position, const Clip& clip) override {
@@ -160,7 +161,7 @@ class AmassBabelWriter : public LayoutWriter {
     const std::string file = source_ + "/" + names_.Person(position) + "/" + take + ".npz";
     Expected<std::string> bytes = EncodeAmass(amass, clip.id());
     if (!bytes) return Forward(bytes);
-    const std::string part = parts_.empty() ? "train" : parts_[position];
+    const std::string part = parts_.empty() ? "train" : NameOfPart(parts_[position]);
     const bool annotated = !clip.label.empty() || !clip.segments.empty();
     parts_come_back_ = parts_come_back_ && annotated && !part.empty();
     if (annotated) {
@@ -280,8 +281,8 @@ class AmassBabelWriter : public LayoutWriter {
 
   const ExportSet set_;
   const ClipNames names_;
-  std::string source_;              ///< top folder
-  std::vector<std::string> parts_;  ///< of the split; empty: there is none
+  std::string source_;      ///< top folder
+  std::vector<int> parts_;  ///< of the split; empty: there is none
   std::vector<WrittenClip> clips_;
   std::vector<std::string> takes_;                               ///< of clips_
   std::map<std::string, std::vector<BabelSequence>> sequences_;  ///< by part

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "canon/exports/clip_names.h"
+#include "canon/splits/leaks.h"
 #include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
@@ -53,12 +54,12 @@ std::string SkeletonText(const Skeleton& skeleton) {
 }
 
 /// Persons of each part, where no person is in two and every clip is in one.
-std::optional<std::map<std::string, std::set<std::string>>> PersonsOfParts(const std::vector<std::string>& parts,
+std::optional<std::map<std::string, std::set<std::string>>> PersonsOfParts(const std::vector<int>& parts,
                                                                            const std::vector<WrittenClip>& clips) {
   std::map<std::string, std::set<std::string>> persons;
   std::map<std::string, std::string> part_of;
   for (const WrittenClip& clip : clips) {
-    const std::string& part = parts[clip.position];
+    const std::string part = NameOfPart(parts[clip.position]);
     if (part.empty() || part_of.emplace(clip.person, part).first->second != part) return std::nullopt;
     persons[part].insert(clip.person);
   }
@@ -73,7 +74,7 @@ std::string SplitsText(const ExportSet& set, const std::vector<WrittenClip>& cli
       text += "    - {name: " + YamlQuoted(split.name) + ", by: role}\n";
       continue;
     }
-    const auto persons = PersonsOfParts(PartOfEachClip(split, set.ids.size()), clips);
+    const auto persons = PersonsOfParts(PartsOf(split, set.ids.size()), clips);
     if (!persons) {
       notes.push_back("split '" + split.name + "' is not by person: source.yaml cannot declare it");
       continue;
@@ -139,23 +140,15 @@ WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string fi
   return written;
 }
 
-std::vector<std::string> PartOfEachClip(const Split& split, std::size_t clips) {
-  std::vector<std::string> parts(clips);
-  for (const int row : split.train) parts.at(static_cast<std::size_t>(row)) = "train";
-  for (const int row : split.validation) parts.at(static_cast<std::size_t>(row)) = "validation";
-  for (const int row : split.test) parts.at(static_cast<std::size_t>(row)) = "test";
-  return parts;
-}
-
 ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips) {
   std::vector<std::string> header = {"file",  "clip",       "person", "recording", "label",
                                      "class", "fine_label", "frames", "rate_hz"};
   const bool states_origin = std::any_of(clips.begin(), clips.end(), [](const auto& c) { return !c.origin.empty(); });
   if (states_origin) header.insert(header.end(), {"origin", "raised_m"});
-  std::vector<std::vector<std::string>> parts;
+  std::vector<std::vector<int>> parts;
   for (const Split& split : set.splits) {
     header.push_back("split_" + WithoutControls(split.name));
-    parts.push_back(PartOfEachClip(split, set.ids.size()));
+    parts.push_back(PartsOf(split, set.ids.size()));
   }
   std::string text = CsvLine(header);
   for (const WrittenClip& clip : clips) {
@@ -171,7 +164,7 @@ ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& cli
                                       std::to_string(clip.frames),
                                       FormatDouble(clip.rate.hz())};
     if (states_origin) cells.insert(cells.end(), {clip.origin, RoundedText(clip.raised_m, 6)});
-    for (const std::vector<std::string>& of_split : parts) cells.push_back(of_split[clip.position]);
+    for (const std::vector<int>& of_split : parts) cells.emplace_back(NameOfPart(of_split[clip.position]));
     text += CsvLine(cells);
   }
   return {kClipTable, std::move(text)};

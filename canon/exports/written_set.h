@@ -39,9 +39,6 @@ inline constexpr const char* kSkeletonFile = "skeleton.yaml";
 /// and raised_m, and for each split a column "split_NAME" of train, validation, test or nothing. RFC 4180.
 ExportedFile ClipTable(const ExportSet& set, const std::vector<WrittenClip>& clips);
 
-/// "train", "validation", "test" or empty for each of `clips` clips.
-std::vector<std::string> PartOfEachClip(const Split& split, std::size_t clips);
-
 /// Refuses a clip of another rate than the first one: the files have no rate, and the declaration has one for all.
 class OneRate {
  public:

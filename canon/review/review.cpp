@@ -6,6 +6,7 @@
 #include <set>
 
 #include "canon/frames/facing.h"
+#include "canon/splits/leaks.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/table_text.h"
@@ -210,14 +211,8 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
     if (row.dropped) applied.dropped.push_back(std::move(row.clip));
   }
   for (Split& split : dataset.splits) {
-    for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
-      std::vector<int> kept;
-      for (const int row : *part) {
-        if (new_row[static_cast<std::size_t>(row)] >= 0) kept.push_back(new_row[static_cast<std::size_t>(row)]);
-      }
-      std::sort(kept.begin(), kept.end());
-      *part = std::move(kept);
-    }
+    MoveRows(new_row, split);
+    for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) std::sort(part->begin(), part->end());
   }
   return {};
 }

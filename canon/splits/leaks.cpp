@@ -1,6 +1,7 @@
 #include "canon/splits/leaks.h"
 
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/base/sha256.h"
@@ -29,7 +30,22 @@ std::vector<int> PartsOf(const Split& split, std::size_t clips) {
 
 const char* NameOfPart(int part) {
   constexpr const char* kNames[] = {"train", "validation", "test"};
-  return kNames[part];
+  return part < 0 ? "" : kNames[part];
+}
+
+void MoveRows(const std::vector<int>& new_rows, Split& split) {
+  for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
+    std::vector<int> moved;
+    for (const int row : *part) {
+      if (const int to = new_rows[static_cast<std::size_t>(row)]; to >= 0) moved.push_back(to);
+    }
+    *part = std::move(moved);
+  }
+}
+
+nlohmann::json SplitSummary(const Split& split) {
+  return {{"name", split.name},        {"train", split.train.size()}, {"validation", split.validation.size()},
+          {"test", split.test.size()}, {"rule", split.rule},          {"leak_check", split.leak_check}};
 }
 
 std::map<std::string, RowsByPart> InTwoParts(const std::vector<int>& parts, const std::vector<std::string>& groups) {

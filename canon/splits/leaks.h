@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,14 @@ namespace mocurate {
 /// Part of each of `clips` rows: 0 train, 1 validation, 2 test, -1 none. Rows of a split may be in any order.
 std::vector<int> PartsOf(const Split& split, std::size_t clips);
 
-/// "train", "validation", "test".
+/// "train", "validation", "test"; "" of no part.
 const char* NameOfPart(int part);
+
+/// Replaces each row of the split by its new row; rows whose new row is negative leave the split.
+void MoveRows(const std::vector<int>& new_rows, Split& split);
+
+/// {"name", "train", "validation", "test" (counts), "rule", "leak_check"}
+nlohmann::json SplitSummary(const Split& split);
 
 /// Rows of a group by the part that they are in.
 using RowsByPart = std::map<int, std::vector<std::size_t>>;

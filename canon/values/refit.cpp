@@ -58,11 +58,7 @@ RefittedDataset RefitDataset(Dataset before, Dataset fits, const std::map<std::s
   }
   const std::vector<Split> splits = before.splits;
   refitted.rows = KeepRows(keep, before);
-  for (Split& split : before.splits) {
-    if (refitted.rows.size() < keep.size() && split.leak_check.rfind("ok", 0) != 0) {
-      split.leak_check += " (before clips were fitted)";
-    }
-  }
+  if (refitted.rows.size() < keep.size()) NoteEarlierChecks("clips were fitted", before);
   for (Finding& empty : FindEmptyParts(splits, before.splits)) refitted.findings.push_back(std::move(empty));
   std::set<std::string> renamed;
   for (Clip& clip : before.clips) {
@@ -74,7 +70,7 @@ RefittedDataset RefitDataset(Dataset before, Dataset fits, const std::map<std::s
   before.joints_only = fits.joints_only;
   AddFindings(fits.findings, before.findings);
   AddFindings(refitted.findings, before.findings);
-  before.recipe += (before.recipe.empty() || before.recipe.back() == '\n' ? "" : "\n") + how + "\n";
+  AddToRecipe(how, before);
   before.created_by = CreatedBy();
   refitted.dataset = std::move(before);
   return refitted;

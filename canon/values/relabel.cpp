@@ -238,17 +238,12 @@ Expected<RelabelledDataset> Relabel(Dataset dataset, const RelabelMap& map) {
   if (dataset.clips.empty()) {
     return Fail(ErrorCode::kInconsistent, "every clip is dropped", map.name, "keep at least one label");
   }
-  if (!dropped.empty()) {
-    for (Split& split : dataset.splits) {
-      if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before labels were dropped)";
-    }
-  }
+  if (!dropped.empty()) NoteEarlierChecks("labels were dropped", dataset);
   ReportChanges(relabelled, dropped, cleared);
   for (Finding& empty : FindEmptyParts(before, dataset.splits)) relabelled.findings.push_back(std::move(empty));
-  dataset.recipe += (dataset.recipe.empty() || dataset.recipe.back() == '\n' ? "" : "\n") +
-                    std::string("relabelled by ") + map.name + "\n";
+  AddToRecipe("relabelled by " + map.name, dataset);
   for (const Finding& finding : relabelled.findings) {
-    if (finding.severity == Severity::kInfo) dataset.recipe += "- " + finding.message + "\n";
+    if (finding.severity == Severity::kInfo) AddToRecipe("- " + finding.message, dataset);
   }
   dataset.created_by = CreatedBy();
   dataset.findings.insert(dataset.findings.end(), relabelled.findings.begin(), relabelled.findings.end());

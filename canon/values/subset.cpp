@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "canon/splits/leaks.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 
@@ -64,15 +65,7 @@ std::vector<std::size_t> KeepRows(const std::vector<bool>& keep, Dataset& datase
     kept.push_back(std::move(dataset.clips[row]));
   }
   dataset.clips = std::move(kept);
-  for (Split& split : dataset.splits) {
-    for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
-      std::vector<int> of_part;
-      for (const int row : *part) {
-        if (new_row[static_cast<std::size_t>(row)] >= 0) of_part.push_back(new_row[static_cast<std::size_t>(row)]);
-      }
-      *part = std::move(of_part);
-    }
-  }
+  for (Split& split : dataset.splits) MoveRows(new_row, split);
   // Findings about whole recordings stay while one of their clips does.
   std::set<std::string> recordings;
   for (const Clip& clip : dataset.clips) recordings.insert(RecordingOf(clip.id()));
@@ -111,6 +104,17 @@ std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std:
     }
   }
   return findings;
+}
+
+void NoteEarlierChecks(const std::string& change, Dataset& dataset) {
+  for (Split& split : dataset.splits) {
+    if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before " + change + ")";
+  }
+}
+
+void AddToRecipe(const std::string& line, Dataset& dataset) {
+  if (!dataset.recipe.empty() && dataset.recipe.back() != '\n') dataset.recipe += '\n';
+  dataset.recipe += line + '\n';
 }
 
 void DropEmptyLabels(Dataset& dataset) {
@@ -152,15 +156,12 @@ Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, co
   const std::vector<Split> before = dataset.splits;
   DatasetSubset subset;
   subset.rows = KeepRows(*holds, dataset);
-  for (Split& split : dataset.splits) {
-    if (count < holds->size() && split.leak_check.rfind("ok", 0) != 0)
-      split.leak_check += " (before clips were chosen)";
-  }
+  if (count < holds->size()) NoteEarlierChecks("clips were chosen", dataset);
   subset.findings = FindEmptyParts(before, dataset.splits);
   if (options.drop_empty_labels) DropEmptyLabels(dataset);
-  dataset.recipe += (dataset.recipe.empty() || dataset.recipe.back() == '\n' ? "" : "\n") + std::string("subset of ") +
-                    options.name + ": " + std::to_string(count) + " of " +
-                    Counted(static_cast<long long>(holds->size()), "clip") + " where " + condition.text() + "\n";
+  AddToRecipe("subset of " + options.name + ": " + std::to_string(count) + " of " +
+                  Counted(static_cast<long long>(holds->size()), "clip") + " where " + condition.text(),
+              dataset);
   dataset.created_by = CreatedBy();
   dataset.findings.insert(dataset.findings.end(), subset.findings.begin(), subset.findings.end());
   subset.dataset = std::move(dataset);

@@ -25,6 +25,11 @@ void AddFindings(const std::vector<Finding>& more, std::vector<Finding>& all);
 /// "empty_part" for each part that lost its last clip; the same splits before and after.
 std::vector<Finding> FindEmptyParts(const std::vector<Split>& before, const std::vector<Split>& after);
 
+/// Adds "(before CHANGE)" to the leak checks that found leaks, as in "(before clips were chosen)".
+void NoteEarlierChecks(const std::string& change, Dataset& dataset);
+
+void AddToRecipe(const std::string& line, Dataset& dataset);
+
 /// Removes labels and fine labels without a clip; the others are renumbered.
 void DropEmptyLabels(Dataset& dataset);
 

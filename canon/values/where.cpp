@@ -6,6 +6,7 @@
 #include <set>
 #include <string_view>
 
+#include "canon/splits/leaks.h"
 #include "canon/values/subset.h"
 #include "canon/values/where_nodes.h"
 #include "core/base/text.h"
@@ -94,12 +95,8 @@ Expected<std::vector<std::string>> PartsOfClips(const Dataset& dataset, const st
                 : all.empty() ? "it has no splits"
                               : "its splits: " + all);
   }
-  std::vector<std::string> parts(dataset.clips.size());
-  const std::pair<const char*, const std::vector<int>*> rows[] = {
-      {"train", &split->train}, {"validation", &split->validation}, {"test", &split->test}};
-  for (const auto& [part, of_part] : rows) {
-    for (const int row : *of_part) parts.at(static_cast<std::size_t>(row)) = part;
-  }
+  std::vector<std::string> parts;
+  for (const int part : PartsOf(*split, dataset.clips.size())) parts.emplace_back(NameOfPart(part));
   return parts;
 }
 

@@ -111,8 +111,7 @@ Status WriteExcluded(const std::vector<DatasetFile>& files, const AppliedReview&
   for (const ReviewedRow& kept : applied.origins) dropped[kept.row] = false;
   const std::vector<std::size_t> rows = KeepRows(dropped, excluded);
   excluded.created_by = CreatedBy();
-  excluded.recipe += (excluded.recipe.empty() || excluded.recipe.back() == '\n' ? "" : "\n") +
-                     std::string("clips that a review dropped\n");
+  AddToRecipe("clips that a review dropped", excluded);
   const auto written = WriteFromFiles(excluded, WholeClips(rows, files), files, path);
   return written ? Status() : Forward(written);
 }
@@ -163,9 +162,7 @@ Status DatasetApplyVerb(CommonArguments& common, const DatasetArguments& argumen
   dataset->findings.insert(dataset->findings.end(), applied->findings.begin(), applied->findings.end());
   std::vector<Finding> of_set = FindEmptyParts(before, dataset->splits);
   dataset->findings.insert(dataset->findings.end(), of_set.begin(), of_set.end());
-  for (Split& split : dataset->splits) {
-    if (split.leak_check.rfind("ok", 0) != 0) split.leak_check += " (before clips were reviewed)";
-  }
+  NoteEarlierChecks("clips were reviewed", *dataset);
   if (!arguments.excluded.empty()) {
     if (Status written = WriteExcluded(*files, *applied, arguments.excluded); !written) return written;
   }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "canon/splits/leaks.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/store/dataset_clips.h"
@@ -42,34 +43,16 @@ Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& id
   return rows;
 }
 
-/// Rows of a split as positions among the chosen clips.
-Split AmongChosen(Split split, const std::vector<std::size_t>& rows) {
-  std::map<int, int> position;
-  for (std::size_t i = 0; i < rows.size(); ++i) position[static_cast<int>(rows[i])] = static_cast<int>(i);
-  for (std::vector<int>* part : {&split.train, &split.validation, &split.test}) {
-    std::vector<int> chosen;
-    for (const int row : *part) {
-      if (const auto at = position.find(row); at != position.end()) chosen.push_back(at->second);
-    }
-    *part = std::move(chosen);
-  }
-  return split;
-}
-
 /// The split of --split; without it all.
-Expected<std::vector<Split>> ChosenSplits(const std::vector<Split>& splits, const std::vector<std::size_t>& rows,
-                                          const ExportArguments& arguments) {
-  std::vector<Split> chosen;
+Expected<std::vector<Split>> ChosenSplits(const std::vector<Split>& splits, const ExportArguments& arguments) {
+  if (arguments.split.empty()) return splits;
   std::vector<std::string> names;
   for (const Split& split : splits) {
     names.push_back(split.name);
-    if (arguments.split.empty() || split.name == arguments.split) chosen.push_back(AmongChosen(split, rows));
+    if (split.name == arguments.split) return std::vector<Split>{split};
   }
-  if (arguments.split.empty() || !chosen.empty()) return chosen;
-  std::string known;
-  for (const std::string& name : names) known += (known.empty() ? "the splits are " : ", ") + name;
   return Fail(ErrorCode::kUsage, "there is no split '" + arguments.split + "'", DisplayPath(arguments.path),
-              known.empty() ? "it has no split: remove --split" : known);
+              names.empty() ? "it has no split: remove --split" : "the splits are " + JoinTexts(names));
 }
 
 Status Choose(const std::vector<std::string>& ids, const std::vector<Split>& splits, const ExportArguments& arguments,
@@ -77,10 +60,15 @@ Status Choose(const std::vector<std::string>& ids, const std::vector<Split>& spl
   Expected<std::vector<std::size_t>> chosen = ChosenRows(ids, arguments);
   if (!chosen) return Forward(chosen);
   rows = std::move(*chosen);
-  Expected<std::vector<Split>> of_rows = ChosenSplits(splits, rows, arguments);
-  if (!of_rows) return Forward(of_rows);
-  set.splits = std::move(*of_rows);
-  for (const std::size_t row : rows) set.ids.push_back(ids[row]);
+  Expected<std::vector<Split>> of_set = ChosenSplits(splits, arguments);
+  if (!of_set) return Forward(of_set);
+  set.splits = std::move(*of_set);
+  std::vector<int> positions(ids.size(), -1);  // of each row among the chosen
+  for (const std::size_t row : rows) {
+    positions[row] = static_cast<int>(set.ids.size());
+    set.ids.push_back(ids[row]);
+  }
+  for (Split& split : set.splits) MoveRows(positions, split);
   return {};
 }
 
