@@ -156,11 +156,12 @@ std::string SeenHtml(const ClipPageInput& input) {
   } else if (!input.options.no_video.empty()) {
     html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
   }
-  if (clip.evidence.evidence.tracks) {
-    html += Figure("Before: the tracked points", FilmstripSvg(clip, StripLayers::kEvidence));
+  const Motion& motion = *clip.fitted.motion;
+  const bool points = TracksOf(clip) != nullptr;
+  if (points) {
+    html += Figure("Before: the tracked points", FilmstripSvg(clip.item, motion, TracksOf(clip), false));
   }
-  html += Figure("After: the fitted motion", FilmstripSvg(clip, StripLayers::kFit));
-  const bool points = clip.evidence.evidence.tracks.has_value();
+  html += Figure("After: the fitted motion", FilmstripSvg(clip.item, motion));
   return html +
          "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
          "aria-label=\"The clip in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\">"
@@ -382,7 +383,8 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   section("repairs", "Corrections and findings", RepairsHtml(input));
   section("uncertainty", "Uncertainty", SigmaHtml(*series, motion));
   section("views", "Over the views", ViewsHtml(input, *series));
-  const nlohmann::json players = nlohmann::json::array({PlayerData(input.clip, kClipPlayerNumbers)});
+  const nlohmann::json players =
+      nlohmann::json::array({PlayerData(input.clip.item, motion, TracksOf(input.clip), kClipPlayerNumbers)});
   return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(players) +
          "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";

@@ -24,7 +24,7 @@ double MedianOf(std::vector<double>& values) {
 class TracksOfJoints {
  public:
   TracksOfJoints(const JointTracks& tracks, const Skeleton& skeleton)
-      : tracks_(tracks), point_(MatchTracks(tracks, &skeleton).point_of_joint) {}
+      : tracks_(tracks), point_(MatchTracks(tracks, skeleton).point_of_joint) {}
 
   bool seen(int frame, int joint) const {
     if (frame < 0 || frame >= tracks_.positions.frames || point_[joint] < 0) return false;

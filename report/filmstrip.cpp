@@ -15,36 +15,10 @@ namespace {
 constexpr double kThreeQuarter = 0.45;  ///< radians
 constexpr double kRaised = 0.12;
 
-const Motion* MotionOf(const DrawnClip& clip) {
-  if (clip.fitted.motion) return &*clip.fitted.motion;
-  return clip.evidence.motion ? &*clip.evidence.motion : nullptr;
-}
-
-const JointTracks* TracksOf(const DrawnClip& clip) {
-  return clip.evidence.evidence.tracks ? &*clip.evidence.evidence.tracks : nullptr;
-}
-
 bool Present(const JointTracks& tracks, int frame, int point) {
   if (frame >= tracks.positions.frames) return false;
   const std::size_t index = static_cast<std::size_t>(frame) * tracks.positions.joints + point;
   return tracks.confidence[index] > 0.0 && tracks.positions.at(frame, point).allFinite();
-}
-
-Viewpoint ViewpointOf(const DrawnClip& clip) {
-  const Motion* motion = MotionOf(clip);
-  return motion != nullptr ? FrontView(*motion) : Viewpoint{kThreeQuarter, kRaised};
-}
-
-Vector3d OriginOf(const DrawnClip& clip) {
-  if (const Motion* motion = MotionOf(clip)) return motion->joints.at(0, 0);
-  if (const JointTracks* tracks = TracksOf(clip)) {
-    for (int f = 0; f < tracks->positions.frames; ++f) {
-      for (int k = 0; k < tracks->positions.joints; ++k) {
-        if (Present(*tracks, f, k)) return tracks->positions.at(f, k);
-      }
-    }
-  }
-  return Vector3d::Zero();
 }
 
 const char* BoneClass(int side) { return side > 0 ? "bone left" : side < 0 ? "bone right" : "bone"; }
@@ -57,8 +31,8 @@ std::string SegmentLine(const Vector3d& a, const Vector3d& b, const char* css_cl
 /// Places one still after the other on a strip.
 class StripDrawing {
  public:
-  StripDrawing(const DrawnClip& clip, const std::vector<int>& frames, StripLayers layers)
-      : clip_(clip), layers_(layers), view_(ViewpointOf(clip)) {
+  StripDrawing(const Motion& motion, const JointTracks* tracks, const std::vector<int>& frames, bool bones)
+      : motion_(motion), tracks_(tracks), bones_(bones), view_(FrontView(motion)) {
     for (const int frame : frames) AddExtent(frame);
     if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
     scale_ = (kHeight - 34.0) / (high_ - low_);
@@ -69,72 +43,46 @@ class StripDrawing {
   static constexpr double kHeight = 210.0;
 
   std::string Still(int frame, int position) const {
-    const Vector3d centre = view_.Turn(CentreOf(frame));
+    const Vector3d centre = view_.Turn(motion_.joints.at(frame, 0));
     const auto place = [&](const Vector3d& world) {
       const Vector3d seen = view_.Turn(world);
       return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x() - 0.5 * (left_ + right_)),
                       8.0 + scale_ * (high_ - seen.y()), 0.0);
     };
     std::string svg = "<g>";
-    const Motion* motion = MotionOf(clip_);
-    const JointTracks* tracks = TracksOf(clip_);
-    const TrackDrawing drawing =
-        tracks ? MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr) : TrackDrawing();
-    const bool points = tracks != nullptr && layers_ != StripLayers::kFit;
-    const bool bones = motion != nullptr && layers_ != StripLayers::kEvidence;
+    const TrackDrawing drawing = tracks_ ? MatchTracks(*tracks_, *motion_.skeleton) : TrackDrawing();
     for (const auto& [a, b] : drawing.lines) {
-      if (!points || !Present(*tracks, frame, a) || !Present(*tracks, frame, b)) continue;
-      svg += SegmentLine(place(tracks->positions.at(frame, a)), place(tracks->positions.at(frame, b)), "seen");
+      if (!Present(*tracks_, frame, a) || !Present(*tracks_, frame, b)) continue;
+      svg += SegmentLine(place(tracks_->positions.at(frame, a)), place(tracks_->positions.at(frame, b)), "seen");
     }
-    const std::vector<int> sides = motion ? SidesOf(*motion->skeleton) : std::vector<int>();
-    for (int j = 1; bones && j < motion->joint_count(); ++j) {
-      const int parent = motion->skeleton->joints[j].parent;
-      svg +=
-          SegmentLine(place(motion->joints.at(frame, parent)), place(motion->joints.at(frame, j)), BoneClass(sides[j]));
+    const std::vector<int> sides = SidesOf(*motion_.skeleton);
+    for (int j = 1; bones_ && j < motion_.joint_count(); ++j) {
+      const Vector3d parent = motion_.joints.at(frame, motion_.skeleton->joints[j].parent);
+      svg += SegmentLine(place(parent), place(motion_.joints.at(frame, j)), BoneClass(sides[j]));
     }
-    for (int k = 0; points && k < tracks->positions.joints; ++k) {
-      if (!Present(*tracks, frame, k)) continue;
-      const Vector3d at = place(tracks->positions.at(frame, k));
+    for (int k = 0; tracks_ && k < tracks_->positions.joints; ++k) {
+      if (!Present(*tracks_, frame, k)) continue;
+      const Vector3d at = place(tracks_->positions.at(frame, k));
       svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.6\" class=\"point\"/>";
     }
     return svg + "</g>\n";
   }
 
  private:
-  Vector3d CentreOf(int frame) const {
-    if (const Motion* motion = MotionOf(clip_)) return motion->joints.at(frame, 0);
-    Vector3d sum = Vector3d::Zero();
-    int count = 0;
-    if (const JointTracks* tracks = TracksOf(clip_)) {
-      for (int k = 0; k < tracks->positions.joints; ++k) {
-        if (!Present(*tracks, frame, k)) continue;
-        sum += tracks->positions.at(frame, k);
-        ++count;
-      }
-    }
-    return count > 0 ? Vector3d(sum / count) : sum;
-  }
-
   void AddExtent(int frame) {
-    const Vector3d centre = view_.Turn(CentreOf(frame));
-    const auto add = [&](const Vector3d& world) {
-      const Vector3d seen = view_.Turn(world);
+    const Vector3d centre = view_.Turn(motion_.joints.at(frame, 0));
+    for (int j = 0; j < motion_.joint_count(); ++j) {
+      const Vector3d seen = view_.Turn(motion_.joints.at(frame, j));
       low_ = std::min(low_, seen.y());
       high_ = std::max(high_, seen.y());
       left_ = std::min(left_, seen.x() - centre.x());
       right_ = std::max(right_, seen.x() - centre.x());
-    };
-    if (const Motion* motion = MotionOf(clip_)) {
-      for (int j = 0; j < motion->joint_count(); ++j) add(motion->joints.at(frame, j));
-    } else if (const JointTracks* tracks = TracksOf(clip_)) {
-      for (int k = 0; k < tracks->positions.joints; ++k) {
-        if (Present(*tracks, frame, k)) add(tracks->positions.at(frame, k));
-      }
     }
   }
 
-  const DrawnClip& clip_;
-  StripLayers layers_;
+  const Motion& motion_;
+  const JointTracks* tracks_;
+  bool bones_;
   Viewpoint view_;
   double low_ = std::numeric_limits<double>::infinity();
   double high_ = -std::numeric_limits<double>::infinity();
@@ -188,17 +136,16 @@ std::vector<int> SidesOf(const Skeleton& skeleton) {
   return sides;
 }
 
-TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton* skeleton) {
+TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton& skeleton) {
   TrackDrawing drawing;
-  if (skeleton == nullptr) return drawing;
-  drawing.point_of_joint.assign(skeleton->joints.size(), -1);
+  drawing.point_of_joint.assign(skeleton.joints.size(), -1);
   for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-    if (const auto joint = skeleton->FindJoint(tracks.names[k])) drawing.point_of_joint[*joint] = static_cast<int>(k);
+    if (const auto joint = skeleton.FindJoint(tracks.names[k])) drawing.point_of_joint[*joint] = static_cast<int>(k);
   }
-  for (int j = 0; j < skeleton->joint_count(); ++j) {
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
     if (drawing.point_of_joint[j] < 0) continue;
-    int ancestor = skeleton->joints[j].parent;
-    while (ancestor >= 0 && drawing.point_of_joint[ancestor] < 0) ancestor = skeleton->joints[ancestor].parent;
+    int ancestor = skeleton.joints[j].parent;
+    while (ancestor >= 0 && drawing.point_of_joint[ancestor] < 0) ancestor = skeleton.joints[ancestor].parent;
     if (ancestor >= 0) drawing.lines.push_back({drawing.point_of_joint[ancestor], drawing.point_of_joint[j]});
   }
   return drawing;
@@ -223,12 +170,6 @@ Viewpoint FrontView(const Motion& motion) {
   return view;
 }
 
-int FrameCountOf(const DrawnClip& clip) {
-  if (const Motion* motion = MotionOf(clip)) return motion->frame_count();
-  const JointTracks* tracks = TracksOf(clip);
-  return tracks != nullptr ? tracks->positions.frames : 0;
-}
-
 std::vector<int> StillFrames(int frame_count, int stills) {
   std::vector<int> frames;
   const int count = std::min(frame_count, stills);
@@ -238,21 +179,20 @@ std::vector<int> StillFrames(int frame_count, int stills) {
   return frames;
 }
 
-std::string FilmstripSvg(const DrawnClip& clip, StripLayers layers) {
-  const std::vector<int> frames = StillFrames(FrameCountOf(clip));
+std::string FilmstripSvg(const std::string& name, const Motion& motion, const JointTracks* tracks, bool bones) {
+  const std::vector<int> frames = StillFrames(motion.frame_count());
   if (frames.empty()) return "";
-  const StripDrawing drawing(clip, frames, layers);
+  const StripDrawing drawing(motion, tracks, frames, bones);
   const double width = drawing.cell() * static_cast<double>(frames.size());
-  const FrameRate rate = MotionOf(clip) != nullptr ? MotionOf(clip)->rate : clip.evidence.rate;
   std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " +
                     Coordinate(StripDrawing::kHeight) + "\" role=\"img\" aria-label=\"Stick figures of " +
-                    EscapeHtml(clip.item) + ", " + std::to_string(frames.size()) + " stills from " +
-                    std::to_string(FrameCountOf(clip)) + " frames\">\n";
+                    EscapeHtml(name) + ", " + std::to_string(frames.size()) + " stills from " +
+                    std::to_string(motion.frame_count()) + " frames\">\n";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     svg += drawing.Still(frames[i], static_cast<int>(i));
     svg += "<text x=\"" + Coordinate((static_cast<double>(i) + 0.5) * drawing.cell()) + "\" y=\"" +
            Coordinate(StripDrawing::kHeight - 4.0) + "\" text-anchor=\"middle\" class=\"label\">" +
-           FixedText(rate.FrameTime(frames[i]), 2) + " s</text>\n";
+           FixedText(motion.rate.FrameTime(frames[i]), 2) + " s</text>\n";
   }
   return svg + "</svg>\n";
 }
@@ -268,17 +208,15 @@ std::string PlayerHtml(const std::string& name, const std::string& id, bool has_
          "\"><input type=\"checkbox\" id=\"seen-" + id + "\" checked> evidence</label></div>\n</div>\n";
 }
 
-nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers) {
-  const Motion* motion = MotionOf(clip);
-  const JointTracks* tracks = TracksOf(clip);
-  const Vector3d origin = OriginOf(clip);
-  const int per_frame = 3 * ((motion ? motion->joint_count() : 0) + (tracks ? tracks->positions.joints : 0));
-  const int frames = FrameCountOf(clip);
+nlohmann::json PlayerData(const std::string& name, const Motion& motion, const JointTracks* tracks, int most_numbers) {
+  const Vector3d origin = motion.joints.at(0, 0);
+  const int per_frame = 3 * (motion.joint_count() + (tracks ? tracks->positions.joints : 0));
+  const int frames = motion.frame_count();
   const int allowed = std::max(2, most_numbers / std::max(1, per_frame));
   const int step = std::max(1, (frames + allowed - 1) / allowed);
-  const Viewpoint view = ViewpointOf(clip);
-  nlohmann::json data = {{"name", clip.item},
-                         {"hz", motion ? motion->rate.hz() : clip.evidence.rate.hz()},
+  const Viewpoint view = FrontView(motion);
+  nlohmann::json data = {{"name", name},
+                         {"hz", motion.rate.hz()},
                          {"step", step},
                          {"yaw", std::round(view.yaw * 1e3) / 1e3},
                          {"pitch", view.pitch},
@@ -286,45 +224,56 @@ nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers) {
                          {"lines", nlohmann::json::array()},
                          {"joints", nlohmann::json::array()},
                          {"points", nlohmann::json::array()}};
-  if (motion != nullptr) {
-    const std::vector<int> sides = SidesOf(*motion->skeleton);
-    for (int j = 1; j < motion->joint_count(); ++j)
-      data["bones"].push_back({motion->skeleton->joints[j].parent, j, sides[j]});
+  const std::vector<int> sides = SidesOf(*motion.skeleton);
+  for (int j = 1; j < motion.joint_count(); ++j) {
+    data["bones"].push_back({motion.skeleton->joints[j].parent, j, sides[j]});
   }
   if (tracks != nullptr) {
-    for (const auto& line : MatchTracks(*tracks, motion ? motion->skeleton.get() : nullptr).lines)
-      data["lines"].push_back(line);
+    for (const auto& line : MatchTracks(*tracks, *motion.skeleton).lines) data["lines"].push_back(line);
   }
   for (int f = 0; f < frames; f += step) {
-    if (motion != nullptr) data["joints"].push_back(JointFrame(*motion, f, origin));
+    data["joints"].push_back(JointFrame(motion, f, origin));
     if (tracks != nullptr) data["points"].push_back(PointFrame(*tracks, f, origin));
   }
   return data;
 }
 
-Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Finding>* findings) {
+const JointTracks* TracksOf(const DrawnClip& clip) {
+  return clip.evidence.evidence.tracks ? &*clip.evidence.evidence.tracks : nullptr;
+}
+
+Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, const StageInput& evidence,
+                                  std::vector<Finding>* findings) {
+  DrawnClip drawn;
+  drawn.item = evidence.name;
+  auto clip = ReadEvidence(evidence.path);
+  if (!clip) return Forward(clip);
+  drawn.evidence = std::move(*clip);
+  const StageInput* fit = nullptr;
   std::map<std::string, std::filesystem::path> depth_files;
-  const StageInput* evidence_input = nullptr;
-  const StageInput* fit_input = nullptr;
   for (const StageInput& input : request.inputs) {
     if (input.role == "depth") depth_files[input.name] = input.path;
-    if (input.role == "evidence") evidence_input = &input;
-    if (input.role == "fit") fit_input = &input;
+    if (input.role == "fit" && input.name == evidence.name) fit = &input;
   }
-  if (evidence_input == nullptr) return Fail(ErrorCode::kInternal, "a picture needs evidence", request.item);
-  if (fit_input == nullptr) return Fail(ErrorCode::kInternal, "a picture needs a fit", request.item);
-  auto evidence = ReadEvidence(evidence_input->path);
-  if (!evidence) return Forward(evidence);
-  auto fit = ReadDataset(fit_input->path);
-  if (!fit) return Forward(fit);
-  if (fit->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit has no clip", request.item);
-  DrawnClip drawn;
-  drawn.item = fit_input->name;
-  drawn.evidence = std::move(*evidence);
   ResolveDepthFiles(depth_files, drawn.evidence.evidence);
-  drawn.fitted = std::move(fit->clips.front());
-  if (findings != nullptr) *findings = std::move(fit->findings);
+  if (fit == nullptr || fit->path == evidence.path) {
+    drawn.fitted = drawn.evidence;
+  } else {
+    auto fitted = ReadDataset(fit->path);
+    if (!fitted) return Forward(fitted);
+    if (fitted->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit has no clip", fit->name);
+    drawn.fitted = std::move(fitted->clips.front());
+    if (findings != nullptr) *findings = std::move(fitted->findings);
+  }
+  if (!drawn.fitted.motion) return Fail(ErrorCode::kInconsistent, "the clip has no motion", drawn.item);
   return drawn;
+}
+
+Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Finding>* findings) {
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "evidence") return ReadDrawnClip(request, input, findings);
+  }
+  return Fail(ErrorCode::kInternal, "a picture needs evidence", request.item);
 }
 
 }  // namespace mocurate

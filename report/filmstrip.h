@@ -12,8 +12,7 @@
 
 namespace mocurate {
 
-/// One clip to draw: observations and fit. Without a fit (given motion, tracks only) `fitted` has no motion of its own
-/// and only the evidence is drawn.
+/// One clip to draw: observations and fit, which of a given motion is that motion.
 struct DrawnClip {
   std::string item;
   std::string rank;  ///< "best fit", "median fit", "worst fit", "fit 2 of 5"
@@ -28,7 +27,7 @@ struct TrackDrawing {
   std::vector<int> point_of_joint;        ///< (J)
   std::vector<std::array<int, 2>> lines;  ///< pairs of points
 };
-TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton* skeleton);
+TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton& skeleton);
 
 /// Direction of view in the world: the camera looks from the person's front, rotated by `yaw` and raised by `pitch`.
 struct Viewpoint {
@@ -45,11 +44,11 @@ Viewpoint FrontView(const Motion& motion);
 /// Frames of stills, evenly spread, first and last included.
 constexpr int kStills = 8;
 std::vector<int> StillFrames(int frame_count, int stills = kStills);
-int FrameCountOf(const DrawnClip& clip);
 
-/// Stick figures side by side: tracked points grey, fitted skeleton in colour, or one of both at the same positions.
-enum class StripLayers { kBoth, kEvidence, kFit };
-std::string FilmstripSvg(const DrawnClip& clip, StripLayers layers = StripLayers::kBoth);
+/// Stick figures side by side: tracked points grey, where there are `tracks`; the motion in colour, where `bones`. Both
+/// are at the same positions.
+std::string FilmstripSvg(const std::string& name, const Motion& motion, const JointTracks* tracks = nullptr,
+                         bool bones = true);
 
 /// Canvas and controls of the player for the JSON of PlayerData with the same index in the page; `id` is its own.
 std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points);
@@ -57,13 +56,20 @@ std::string PlayerHtml(const std::string& name, const std::string& id, bool has_
 /// JSON for the player of the page: {"name", "hz", "step", "yaw", "pitch", "bones": [[a,b,side]...], "joints": [[mm...]
 /// per frame], "lines", "points"}; positions are whole millimetres relative to the first root; a missing point is null
 /// instead of x, y, z. At most `most_numbers` values: longer clips are decimated by `step`.
-nlohmann::json PlayerData(const DrawnClip& clip, int most_numbers);
+nlohmann::json PlayerData(const std::string& name, const Motion& motion, const JointTracks* tracks, int most_numbers);
 
 /// -1 right, 1 left, 0 midline: from mirror partners and rest offsets.
 std::vector<int> SidesOf(const Skeleton& skeleton);
 
-/// A clip and its fit, read from the inputs "evidence", "fit" and "depth" of a stage that draws one clip; `findings`
-/// receives those stored with the fit. Errors of ReadEvidence and ReadDataset, kInconsistent for a fit without a clip.
+/// Tracked points of the evidence; null without.
+const JointTracks* TracksOf(const DrawnClip& clip);
+
+/// The clip of an input "evidence" and its fit, read from the inputs of a stage: "fit" of the same name, and "depth".
+/// `findings` receives those stored with the fit. Errors of ReadEvidence and ReadDataset, kInconsistent for a fit
+/// without a clip and for a clip without a motion.
+Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, const StageInput& evidence,
+                                  std::vector<Finding>* findings = nullptr);
+/// The same of a stage that draws one clip.
 Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Finding>* findings = nullptr);
 
 }  // namespace mocurate

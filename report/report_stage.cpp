@@ -1,4 +1,3 @@
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -6,7 +5,6 @@
 #include "core/store/store.h"
 #include "report/options.h"
 #include "report/page.h"
-#include "report/pictures.h"
 #include "report/run_facts.h"
 #include "report/stages.h"
 
@@ -35,38 +33,11 @@ Expected<nlohmann::json> ReadRun(const StageInput& input) {
   return run;
 }
 
-/// One clip with its fit; an unreadable clip only loses its strip.
-Expected<DrawnClip> ReadDrawn(const StageInput& evidence, const StageInput* fit,
-                              const std::map<std::string, std::filesystem::path>& depth_files) {
-  DrawnClip drawn;
-  drawn.item = evidence.name;
-  auto clip = ReadEvidence(evidence.path);
-  if (!clip) return Forward(clip);
-  drawn.evidence = std::move(*clip);
-  ResolveDepthFiles(depth_files, drawn.evidence.evidence);
-  if (fit == nullptr) return drawn;
-  if (fit->path == evidence.path) {
-    drawn.fitted = drawn.evidence;
-    return drawn;
-  }
-  auto fitted = ReadDataset(fit->path);
-  if (!fitted) return Forward(fitted);
-  if (fitted->clips.empty()) return Fail(ErrorCode::kInconsistent, "the fit has no clip", fit->name);
-  drawn.fitted = std::move(fitted->clips.front());
-  return drawn;
-}
-
+/// An unreadable clip only loses its strip.
 void ReadDrawnClips(const StageRequest& request, ReportInput& input) {
-  std::map<std::string, const StageInput*> fits;
-  std::map<std::string, std::filesystem::path> depth_files;
-  for (const StageInput& candidate : request.inputs) {
-    if (candidate.role == "fit") fits[candidate.name] = &candidate;
-    if (candidate.role == "depth") depth_files[candidate.name] = candidate.path;
-  }
   for (const StageInput& candidate : request.inputs) {
     if (candidate.role != "evidence") continue;
-    const auto fit = fits.find(candidate.name);
-    auto drawn = ReadDrawn(candidate, fit == fits.end() ? nullptr : fit->second, depth_files);
+    auto drawn = ReadDrawnClip(request, candidate);
     if (!drawn) {
       input.not_drawn.push_back(candidate.name + ": " + drawn.error().Message());
       continue;

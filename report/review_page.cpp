@@ -21,13 +21,6 @@ namespace {
 constexpr int kNumbersOfPage = 2000000;   ///< positions in all players together, about five bytes each
 constexpr int kNumbersOfPlayer = 100000;  ///< and in one
 
-DrawnClip DrawnOf(const Clip& clip) {
-  DrawnClip drawn;
-  drawn.item = clip.id();
-  drawn.fitted = clip;
-  return drawn;
-}
-
 std::string LabelChoice(const std::vector<std::string>& labels, const std::string& chosen) {
   std::string html = "<select aria-label=\"New class\">";
   for (const std::string& label : labels) {
@@ -38,8 +31,7 @@ std::string LabelChoice(const std::vector<std::string>& labels, const std::strin
 
 /// Strip, player and controls of one clip of a card.
 std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& card, const ReviewPageInput& input) {
-  const DrawnClip drawn = DrawnOf(clip);
-  const int frames = FrameCountOf(drawn);
+  const int frames = clip.motion->frame_count();
   const std::string suggested =
       TextOf(card.finding, "code") == "label_suspect" ? TextOf(card.finding, "suggested") : "";
   const auto number = [&](const char* name, int value) {
@@ -51,13 +43,13 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
            "</kbd></button>";
   };
   return "<div class=\"decided\" data-clip=\"" + EscapeHtml(clip.id()) + "\" data-content=\"" +
-         (clip.motion ? MotionFingerprint(*clip.motion) : "") + "\" data-frames=\"" + std::to_string(frames) +
-         "\">\n<h3>" + EscapeHtml(clip.id()) + "</h3>\n" +
+         MotionFingerprint(*clip.motion) + "\" data-frames=\"" + std::to_string(frames) + "\">\n<h3>" +
+         EscapeHtml(clip.id()) + "</h3>\n" +
          Paragraph("labelled " + EscapeHtml(clip.label) + ", " + Counted(frames, "frame") + " at " +
                        ShortText(clip.rate.hz()) + " Hz" +
                        (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
                    "soft") +
-         "<div class=\"clip\"><div>" + FilmstripSvg(drawn, StripLayers::kFit) + "</div>\n" +
+         "<div class=\"clip\"><div>" + FilmstripSvg(clip.id(), *clip.motion) + "</div>\n" +
          PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
          button("drop", "d") + button("relabel", "r") +
          LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +
@@ -97,7 +89,7 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
   for (std::size_t i = 0; i < input.cards.size(); ++i) {
     cards += CardHtml(input.cards[i], i, input);
     for (const Clip& clip : input.cards[i].clips) {
-      nlohmann::json data = PlayerData(DrawnOf(clip), numbers);
+      nlohmann::json data = PlayerData(clip.id(), *clip.motion, nullptr, numbers);
       const auto begin = NumberOf(input.cards[i].finding, "frame_begin");
       const bool first = &clip == &input.cards[i].clips.front();
       if (begin && first) data["start"] = static_cast<int>(std::clamp(*begin, 0.0, 1e9)) / data.at("step").get<int>();

@@ -4,6 +4,7 @@
 #include "core/base/text.h"
 #include "report/html.h"
 #include "report/page.h"
+#include "report/painters.h"
 #include "report/pictures.h"
 #include "report/run_facts.h"
 #include "report/svg.h"
@@ -59,7 +60,6 @@ std::string ResidualTable(const nlohmann::json& run) {
 
 std::string Overlays(const DrawnClip& clip) {
   const Evidence& evidence = clip.evidence.evidence;
-  if (evidence.depth_views.empty() || !clip.fitted.motion) return "";
   std::vector<std::size_t> views;  // as many of each kind
   for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.depth_views.size()); ++v) views.push_back(v);
   for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.keypoint_views.size()); ++v)
@@ -68,9 +68,8 @@ std::string Overlays(const DrawnClip& clip) {
   std::string html = "<div class=\"overlays\">\n";
   for (const std::size_t v : views) {
     const auto index = static_cast<int>(v);
-    const std::size_t depth = evidence.depth_views.size();
-    const Camera& camera = v < depth ? evidence.depth_views[v].camera : evidence.keypoint_views[v - depth].camera;
-    const std::string view = "view " + EscapeHtml(camera.name) + ", frame " + std::to_string(frame);
+    const std::string view =
+        "view " + EscapeHtml(ViewCamera(evidence, index).name) + ", frame " + std::to_string(frame);
     const auto png = BodyOverlayPng(clip.fitted, evidence, index, frame);
     if (!png) {
       html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
@@ -192,8 +191,8 @@ std::string FilmstripsHtml(const ReportInput& input) {
   for (std::size_t i = 0; i < input.drawn.size(); ++i) {
     const DrawnClip& clip = input.drawn[i];
     html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
-            FilmstripSvg(clip) + "</div>\n" +
-            PlayerHtml(clip.item, std::to_string(i), clip.evidence.evidence.tracks.has_value()) + "</div>\n";
+            FilmstripSvg(clip.item, *clip.fitted.motion, TracksOf(clip)) + "</div>\n" +
+            PlayerHtml(clip.item, std::to_string(i), TracksOf(clip) != nullptr) + "</div>\n";
     if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
       html += Overlays(clip);
       ++overlays;
@@ -206,7 +205,8 @@ std::string FilmstripsHtml(const ReportInput& input) {
 nlohmann::json PlayersJson(const ReportInput& input) {
   nlohmann::json players = nlohmann::json::array();
   for (const DrawnClip& clip : input.drawn) {
-    players.push_back(PlayerData(clip, kPlayerNumbers / static_cast<int>(input.drawn.size())));
+    const int numbers = kPlayerNumbers / static_cast<int>(input.drawn.size());
+    players.push_back(PlayerData(clip.item, *clip.fitted.motion, TracksOf(clip), numbers));
   }
   return players;
 }

@@ -18,10 +18,7 @@ const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
 std::string Strip(const std::string& title, const Clip* clip) {
   std::string html = "<figure><figcaption>" + EscapeHtml(title) + "</figcaption>";
   if (clip == nullptr) return html + "none</figure>\n";
-  DrawnClip drawn;
-  drawn.item = title;
-  drawn.fitted = *clip;
-  return html + FilmstripSvg(drawn, StripLayers::kFit) + "</figure>\n";
+  return html + FilmstripSvg(title, *clip->motion) + "</figure>\n";
 }
 
 }  // namespace

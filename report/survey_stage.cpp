@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kMostNumbers = 400000;       ///< of one motion: 60 s at 60 Hz of 37 joints
 constexpr double kUnlikeDurations = 1.05;  ///< longest over shortest motion above which length may reveal sources
-constexpr const char* kShownName = "motion";
 
 /// A file of motions, and the index of each clip in it.
 struct OpenSource {
@@ -104,13 +103,6 @@ nlohmann::json NotesOf(const ClipsOfKey& clips, const SurveyKey& key) {
   return notes;
 }
 
-nlohmann::json DrawnMotion(const Motion& motion) {
-  DrawnClip drawn;
-  drawn.item = kShownName;
-  drawn.fitted.motion = motion;
-  return PlayerData(drawn, kMostNumbers);
-}
-
 }  // namespace
 
 Expected<StageOutcome> SurveyStage(const StageRequest& request) {
@@ -140,7 +132,7 @@ Expected<StageOutcome> SurveyStage(const StageRequest& request) {
     for (ShownMotion& shown : question.shown) {
       const Motion& motion = *clips->at({shown.source, shown.clip}).motion;
       shown.fingerprint = MotionFingerprint(motion);
-      asked.motions.push_back(DrawnMotion(motion));
+      asked.motions.push_back(PlayerData("motion", motion, nullptr, kMostNumbers));
     }
     input.questions.push_back(std::move(asked));
   }

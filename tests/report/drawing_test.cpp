@@ -70,24 +70,21 @@ TEST(Filmstrip, PointsOfJointsWithoutTheirParentHangOnTheNearestObservedAncestor
   const SkeletonPtr skeleton = Walker();
   JointTracks tracks;
   tracks.names = {"left_hip", "left_ankle", "head", "a sensor of its own"};
-  const TrackDrawing drawing = MatchTracks(tracks, skeleton.get());
+  const TrackDrawing drawing = MatchTracks(tracks, *skeleton);
   ASSERT_EQ(drawing.lines.size(), 1U);
   EXPECT_EQ(drawing.lines[0], (std::array<int, 2>{0, 1}));
 }
 
 TEST(Player, PositionsAreWholeMillimetresAndMissingPointsAreNull) {
-  DrawnClip clip;
   const Motion motion = Stepping(Walker(), 20);
-  clip.item = "x";
-  clip.fitted.motion = motion;
-  clip.evidence.evidence.tracks = NoisyTracks(motion);
-  const nlohmann::json data = PlayerData(clip, 1000000);
+  const JointTracks tracks = NoisyTracks(motion);
+  const nlohmann::json data = PlayerData("x", motion, &tracks, 1000000);
   ASSERT_EQ(data["joints"].size(), 20U);
   EXPECT_EQ(data["step"], 1);
   EXPECT_EQ(data["joints"][0][3 * 3 + 1], -450) << "the left knee hangs 450 mm below the pelvis";
   EXPECT_TRUE(data["points"][0][0].is_null());
   EXPECT_TRUE(data["points"][0][3].is_number_integer());
-  const nlohmann::json thinned = PlayerData(clip, 51 * 5);
+  const nlohmann::json thinned = PlayerData("x", motion, &tracks, 51 * 5);
   EXPECT_EQ(thinned["step"], 4);
   EXPECT_EQ(thinned["joints"].size(), 5U);
 }
