@@ -130,11 +130,8 @@ std::string MakeAnnotatePage(const AnnotatePageInput& input) {
     page["clips"].push_back(CardJson(input.cards[i]));
     cards += ClipCardHtml(input.cards[i], i, input.cards.size());
   }
-  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<link rel=\"icon\" href=\"data:,\">\n<title>Annotate " +
-         EscapeHtml(input.dataset) + "</title>\n<style>" + kPageStyle + kReviewStyle + kAnnotateStyle +
-         "</style>\n</head>\n<body>\n" + AnnotateHeaderHtml(input) + "<main id=\"main\">\n" + cards +
+  return PageHead("Annotate " + input.dataset, std::string(kPageStyle) + kReviewStyle + kAnnotateStyle) + "<body>\n" +
+         AnnotateHeaderHtml(input) + "<main id=\"main\">\n" + cards +
          "<section><h2>Spans</h2>\n<details id=\"text\"><summary>spans.csv as text</summary>\n<textarea id=\"csv\" "
          "readonly rows=\"16\" aria-label=\"Spans as CSV\"></textarea></details>\n" +
          Paragraph(

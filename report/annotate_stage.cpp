@@ -22,10 +22,6 @@ constexpr const char* kFirstFrame = "first_frame";  ///< provenance: of the clip
 
 std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
-bool EndsIn(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// By id or name of the recording, as in the session.
 using SessionSpans = std::map<std::string, std::vector<ListedSpan>>;
 
@@ -48,7 +44,7 @@ Expected<std::vector<std::size_t>> ChooseRows(const DatasetClips& clips, const A
     const std::string &id = clips.Id(row), recording = RecordingOf(id);
     bool wanted = options.clips.empty() && (options.all || clips.Label(row).empty());
     for (const std::string& name : options.clips) {
-      if (!EndsIn(id, name) && !EndsIn(recording, name)) continue;
+      if (!EndsWith(id, name) && !EndsWith(recording, name)) continue;
       found.insert(name);
       wanted = true;
     }
@@ -123,7 +119,7 @@ PlacedSession PlaceSession(const SessionSpans& session, const std::set<std::stri
   PlacedSession placed;
   for (const auto& [name, spans] : session) {
     const auto is_named = [&name = name](const std::string& recording) {
-      return recording == name || EndsIn(recording, "/" + name);
+      return recording == name || EndsWith(recording, "/" + name);
     };
     if (std::any_of(recordings.begin(), recordings.end(), is_named)) ++placed.known;
     std::vector<AnnotateCard*> cards;

@@ -364,14 +364,10 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   const auto series = SeriesOf(input.clip.fitted, input.clip.evidence.evidence);
   if (!series) return Forward(series);
   const Motion& motion = *input.clip.fitted.motion;
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>" +
-      EscapeHtml(input.clip.item) + " - mocurate report</title>\n<style>" + kPageStyle +
-      "</style>\n</head>\n<body>\n<a class=\"skip\" href=\"#seen-section\">Skip to the content</a>\n<header>\n"
-      "<p><a href=\"index.html\">All clips of the run</a></p>\n" +
-      HeadOf(input, *series) + "</header>\n<main id=\"main\">\n";
+  std::string html = PageHead(input.clip.item + " - mocurate report", kPageStyle) +
+                     "<body>\n<a class=\"skip\" href=\"#seen-section\">Skip to the content</a>\n<header>\n"
+                     "<p><a href=\"index.html\">All clips of the run</a></p>\n" +
+                     HeadOf(input, *series) + "</header>\n<main id=\"main\">\n";
   const auto section = [&html](const char* id, const char* title, const std::string& inside) {
     if (inside.empty()) return;
     html += "<section id=\"" + std::string(id) + "\" aria-labelledby=\"" + id + "-title\">\n<h2 id=\"" + id +

@@ -108,6 +108,13 @@ std::string HtmlTable::Html() const {
   return html + "</tbody></table></div>\n";
 }
 
+std::string PageHead(const std::string& title, const std::string& styles) {
+  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<link rel=\"icon\" href=\"data:,\">\n<title>" +
+         EscapeHtml(title) + "</title>\n<style>" + styles + "</style>\n</head>\n";
+}
+
 std::string Paragraph(const std::string& html, const char* css_class) {
   const std::string attribute = *css_class == '\0' ? "" : std::string(" class=\"") + css_class + "\"";
   return "<p" + attribute + ">" + html + "</p>\n";

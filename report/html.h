@@ -32,6 +32,9 @@ struct HtmlTable {
   std::string Html() const;
 };
 
+/// From the doctype to the end of <head>. `title` is plain text.
+std::string PageHead(const std::string& title, const std::string& styles);
+
 std::string Paragraph(const std::string& html, const char* css_class = "");
 
 }  // namespace mocurate

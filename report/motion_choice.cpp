@@ -8,10 +8,6 @@
 namespace mocurate {
 namespace {
 
-bool EndsWith(const std::string& text, const std::string& ending) {
-  return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
-}
-
 bool IsLong(const NamedMotions& set) {
   return std::any_of(set.motions.clips.begin(), set.motions.clips.end(),
                      [](const Clip& clip) { return clip.segments.size() > 1; });

@@ -31,14 +31,10 @@ constexpr PageSection kSections[] = {{"funnel", "Clips, from read to kept", Funn
 }  // namespace
 
 std::string MakePage(const ReportInput& input) {
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>" +
-      EscapeHtml(TextOf(input.run, "name")) + " - mocurate report</title>\n<style>" + kPageStyle +
-      "</style>\n</head>\n<body>\n"
-      "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n<header>\n" +
-      HeadHtml(input) + "<nav aria-label=\"Sections\"><ol>\n";
+  std::string html = PageHead(TextOf(input.run, "name") + " - mocurate report", kPageStyle) +
+                     "<body>\n"
+                     "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n<header>\n" +
+                     HeadHtml(input) + "<nav aria-label=\"Sections\"><ol>\n";
   for (const PageSection& section : kSections) {
     html += "<li><a href=\"#" + std::string(section.id) + "\">" + section.title + "</a></li>\n";
   }

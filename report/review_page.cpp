@@ -103,11 +103,8 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
   }
   if (cards.empty()) cards = "<section>" + Paragraph("Nothing was found.") + "</section>\n";
   const nlohmann::json review = {{"dataset", input.dataset}, {"decisions", input.decisions}};
-  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<link rel=\"icon\" href=\"data:,\">\n<title>Review of " +
-         EscapeHtml(input.dataset) + "</title>\n<style>" + kPageStyle + kReviewStyle +
-         "</style>\n</head>\n<body>\n<header>\n<h1>Review of " + EscapeHtml(input.dataset) + "</h1>\n" +
+  return PageHead("Review of " + input.dataset, std::string(kPageStyle) + kReviewStyle) +
+         "<body>\n<header>\n<h1>Review of " + EscapeHtml(input.dataset) + "</h1>\n" +
          Paragraph(Counted(static_cast<long long>(input.cards.size()), "finding") +
                        (input.not_shown > 0 ? ", " + std::to_string(input.not_shown) + " more are not shown" : ""),
                    "lead") +

@@ -155,9 +155,6 @@ std::string Tiles(const ReportInput& input) {
   const std::vector<double> residuals = OverClips(input.run, "fitting", "", "residual_rms_mm");
   if (!residuals.empty())
     html += Tile("Residual", FixedText(Quantile(residuals, 0.5), 1) + " mm", "median of the clips' RMS");
-  if (const auto mean = NumberOf(Field(Field(input.run, "metrics"), "recogniser"), "mean")) {
-    html += Tile("Recogniser", PercentText(*mean), "of the test clips");
-  }
   return html + "</dl>\n";
 }
 

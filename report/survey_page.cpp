@@ -87,10 +87,7 @@ std::string MakeSurveyPage(const SurveyPageInput& input) {
     page["questions"].push_back({{"id", input.questions[i].id}, {"motions", input.questions[i].motions}});
     questions += QuestionHtml(input, i);
   }
-  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<link rel=\"icon\" href=\"data:,\">\n<title>Survey</title>\n<style>" +
-         std::string(kPageStyle) + kReviewStyle + kSurveyStyle + "</style>\n</head>\n<body>\n" +
+  return PageHead("Survey", std::string(kPageStyle) + kReviewStyle + kSurveyStyle) + "<body>\n" +
          SurveyHeaderHtml(input) + "<main id=\"main\">\n" + questions + kSurveyEnd + "</main>\n<footer>\n" +
          Paragraph("Survey " + EscapeHtml(input.survey) + ", made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"survey-data\">" + JsonForScript(page) +

@@ -34,11 +34,6 @@ constexpr std::size_t kShapeNumbers = 16;
 
 constexpr const char* kPoses = "_poses";  // at the end of every file's name
 
-bool EndsInPoses(const std::string& name) {
-  const std::string end = kPoses;
-  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-}
-
 /// BABEL's categories in the form of Segment::category: "walk, turn".
 std::vector<std::string> Categories(const std::string& text, const std::string& label) {
   std::vector<std::string> categories;
@@ -132,7 +127,8 @@ class AmassBabelWriter : public LayoutWriter {
  public:
   explicit AmassBabelWriter(const ExportSet& set) : set_(set), names_(set.ids, RecordingNames::kOfSet) {
     source_ = FileNames({kClipTable, kDeclarationFile, kSkeletonFile, kLabelTable, kBabelFolder}).Of(names_.source());
-    for (std::size_t i = 0; i < set.ids.size(); ++i) named_poses_ = named_poses_ && EndsInPoses(names_.Recording(i));
+    for (std::size_t i = 0; i < set.ids.size(); ++i)
+      named_poses_ = named_poses_ && EndsWith(names_.Recording(i), kPoses);
     if (!set.splits.empty()) parts_ = PartsOf(set.splits.front(), set.ids.size());
   }
 

@@ -29,8 +29,8 @@ Error Impossible(const SplitOptions& options, std::string what, std::string hint
 /// "p1, p2", of many the first ones and their number.
 std::string Shortened(const Names& names) {
   constexpr std::size_t kMost = 20;
-  if (names.size() <= kMost) return JoinNames(names);
-  return JoinNames({names.begin(), names.begin() + kMost}) + ", ... (" + std::to_string(names.size()) + ")";
+  if (names.size() <= kMost) return JoinTexts(names);
+  return JoinTexts({names.begin(), names.begin() + kMost}) + ", ... (" + std::to_string(names.size()) + ")";
 }
 
 /// "the set has: P01, P02"
@@ -81,8 +81,8 @@ Error EmptyTrainingPart(const SplitOptions& options) {
   const std::string what = NameOf(options.by);
   return Impossible(options,
                     "every " + what + " of the set is named for test or validation, and none is left to train: " +
-                        JoinNames(options.test) + (options.validation.empty() ? "" : "; ") +
-                        JoinNames(options.validation),
+                        JoinTexts(options.test) + (options.validation.empty() ? "" : "; ") +
+                        JoinTexts(options.validation),
                     "name fewer, or add clips of another " + what);
 }
 
@@ -104,12 +104,6 @@ const char* NameOf(SplitBy by) {
   return "";
 }
 
-std::string JoinNames(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 Status CheckSplit(const SplitOptions& options) {
   std::map<std::string, const char*> part_of;
   const std::pair<const char*, const Names*> parts[] = {
@@ -119,7 +113,7 @@ Status CheckSplit(const SplitOptions& options) {
       const char* by = options.by == SplitBy::kRole ? "role" : "fraction";
       return tl::unexpected<Error>(Impossible(
           options,
-          std::string("`") + part + "` names " + JoinNames(*names) + ", but a split by " + by + " has no names",
+          std::string("`") + part + "` names " + JoinTexts(*names) + ", but a split by " + by + " has no names",
           options.by == SplitBy::kRole ? "set by: person, or name them under ingest.source.roles"
                                        : "set by: person or by: style, or remove the names"));
     }
@@ -174,7 +168,7 @@ Expected<ResolvedGroups> ResolveGroups(const SplitOptions& options, const std::s
   if (!tests && met.test.empty() && any_named) {
     return tl::unexpected<Error>(Impossible(options,
                                             std::string("the test part would be empty: none of '") +
-                                                JoinNames(options.test) +
+                                                JoinTexts(options.test) +
                                                 "' is in the set, and the others are named for train or validation",
                                             KnownNames(groups)));
   }
@@ -183,8 +177,8 @@ Expected<ResolvedGroups> ResolveGroups(const SplitOptions& options, const std::s
   if (!tests)
     message = met.test.empty()
                   ? "only one " + std::string(NameOf(options.by)) + ": it trains and the test part is empty"
-                  : message + " " + JoinNames(met.test) + " tests";
-  if (!selects && !met.validation.empty()) message += (tests ? " " : ", ") + JoinNames(met.validation) + " selects";
+                  : message + " " + JoinTexts(met.test) + " tests";
+  if (!selects && !met.validation.empty()) message += (tests ? " " : ", ") + JoinTexts(met.validation) + " selects";
   if (tests && met.validation.empty()) message = "the validation part is empty: all others test or train";
   findings.push_back(SplitFinding(options, "split_drawn", message, FindingAction::kRepaired));
   return ResolvedGroups{met, true};

@@ -16,9 +16,6 @@ bool NamesGroups(SplitBy by);
 /// Name of the property that no two parts share: "person".
 const char* NameOf(SplitBy by);
 
-/// "p1, p2"
-std::string JoinNames(const std::vector<std::string>& names);
-
 /// A split with names that the set has.
 struct ResolvedGroups {
   SplitOptions options;  ///< with names of the set only

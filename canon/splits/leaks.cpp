@@ -67,10 +67,8 @@ Leaks FindLeaks(const std::vector<int>& parts, const std::vector<std::string>& g
 
 std::string LeakText(const std::string& what, const Leaks& leaks) {
   if (leaks.empty()) return "ok: no " + (what.empty() ? "" : what + " and no ") + "equal clip in two parts";
-  std::string names;
-  for (const std::string& group : leaks.groups) names += (names.empty() ? "" : ", ") + group;
   std::string text = "leaks:";
-  if (!names.empty()) text += " in two parts: " + names + ";";
+  if (!leaks.groups.empty()) text += " in two parts: " + JoinTexts(leaks.groups) + ";";
   if (leaks.repeated > 0) {
     text += " " + Counted(static_cast<long long>(leaks.repeated), "clip") + " of equal content in two parts";
   }

@@ -40,8 +40,8 @@ std::string RuleText(const SplitOptions& options, bool drawn) {
   std::string text = RuleHead(options.by);
   if (drawn) text += ", drawn where the set has none of the named ones";
   if (NamesGroups(options.by)) {
-    text += options.test.empty() ? "; no test part" : "; test: " + JoinNames(options.test);
-    if (!options.validation.empty()) text += "; validation: " + JoinNames(options.validation);
+    text += options.test.empty() ? "; no test part" : "; test: " + JoinTexts(options.test);
+    if (!options.validation.empty()) text += "; validation: " + JoinTexts(options.validation);
   }
   return text;
 }

@@ -26,6 +26,7 @@ std::string ZeroPadded(int number, int width);
 std::string Counted(long long count, std::string_view noun);
 
 std::string_view Trim(std::string_view text);
+bool EndsWith(std::string_view text, std::string_view end);
 std::vector<std::string_view> SplitText(std::string_view text, char separator);
 /// Fields between runs of blanks and tabs.
 std::vector<std::string_view> SplitBlanks(std::string_view text);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "eval/metrics/interval.h"
 
@@ -11,22 +12,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::size_t kPublishedFields = 9;
-
-/// Fields of a line; a quoted field may contain commas.
-std::vector<std::string> FieldsOfLine(std::string_view line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else if (c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
 
 /// Half a unit of the last decimal: "0.092" -> 0.0005.
 double HalfUnitOf(const std::string& number) {
@@ -42,7 +27,7 @@ Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const
   for (const std::string_view line : SplitText(csv, '\n')) {
     ++line_number;
     if (line_number == 1 || line.empty()) continue;
-    const std::vector<std::string> fields = FieldsOfLine(line);
+    const std::vector<std::string> fields = CellsOfCsvLine(line).value_or(std::vector<std::string>());
     const auto number = fields.size() == kPublishedFields ? ParseDouble(fields[5]) : std::nullopt;
     if (!number) {
       return Fail(ErrorCode::kMalformed,

@@ -47,16 +47,6 @@ const nlohmann::json* ValueOf(const nlohmann::json& published, const std::string
   return nullptr;
 }
 
-Table::Cell PublishedCell(const nlohmann::json& published) {
-  Table::Cell cell;
-  cell.value = published.at("value").get<double>();
-  if (!published.at("pm").is_number()) return cell;
-  const double pm = published["pm"].get<double>();
-  cell.interval = {*cell.value - pm, *cell.value + pm};
-  cell.interval_kind = published.at("pm_kind").get<std::string>();
-  return cell;
-}
-
 /// Ours divided by the published number, its interval likewise. ACTOR's +- is 1.96 times a variance and not an
 /// interval: resampling replaces it.
 Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, double published) {

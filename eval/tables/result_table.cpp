@@ -22,12 +22,7 @@ void AddPublished(const nlohmann::json& value, const std::vector<const MetricCol
   auto row = std::find_if(rows.begin(), rows.end(),
                           [&](const Table::Row& one) { return one.name == method && one.source == source; });
   if (row == rows.end()) row = rows.insert(rows.end(), {method, std::vector<Table::Cell>(columns.size()), source});
-  Table::Cell& cell = row->cells[static_cast<std::size_t>(column - columns.begin())];
-  cell.value = value.at("value").get<double>();
-  if (!value.at("pm").is_number()) return;
-  const double pm = value["pm"].get<double>();
-  cell.interval = {*cell.value - pm, *cell.value + pm};
-  cell.interval_kind = value.at("pm_kind").get<std::string>();
+  row->cells[static_cast<std::size_t>(column - columns.begin())] = PublishedCell(value);
 }
 
 /// The interval of a published mean, widened by its rounding. ACTOR prints 1.96 times the variance of 20 repetitions
@@ -118,6 +113,16 @@ const std::vector<MetricColumn>& MetricColumns() {
       {"parameters", "Parameters", 0, Better::kNone},
       {"clips", "Clips", 0, Better::kNone}};
   return kColumns;
+}
+
+Table::Cell PublishedCell(const nlohmann::json& published) {
+  Table::Cell cell;
+  cell.value = published.at("value").get<double>();
+  if (!published.at("pm").is_number()) return cell;
+  const double pm = published["pm"].get<double>();
+  cell.interval = {*cell.value - pm, *cell.value + pm};
+  cell.interval_kind = published.at("pm_kind").get<std::string>();
+  return cell;
 }
 
 Table::Cell CellOf(const nlohmann::json& metric) {

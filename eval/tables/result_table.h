@@ -27,6 +27,9 @@ const std::vector<MetricColumn>& MetricColumns();
 /// {"value", "interval", "interval_kind", "repetitions"} as a cell; empty where there is no number.
 Table::Cell CellOf(const nlohmann::json& metric);
 
+/// The cell of a published number, an entry of PublishedOf.
+Table::Cell PublishedCell(const nlohmann::json& published);
+
 /// The table of an evaluation, {"rows": [as of ScoreRow], "published": [as of PublishedOf], "notes": [texts],
 /// "original_data": bool}: our rows in their order, then the published ones by method. Columns are the metrics that a
 /// row has. On the papers' original data our value is marked where it lies outside the published interval of the

@@ -28,7 +28,7 @@ const std::map<std::string, std::string>& NewNames() {
 
 std::string Newer(std::string name) {
   const std::string old = "poses.npz";
-  if (name.size() >= old.size() && name.compare(name.size() - old.size(), old.size(), old) == 0) {
+  if (EndsWith(name, old)) {
     name.replace(name.size() - old.size(), old.size(), "stageii.npz");
   }
   std::replace(name.begin(), name.end(), ' ', '_');

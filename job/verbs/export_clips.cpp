@@ -15,10 +15,6 @@
 namespace mocurate {
 namespace {
 
-bool EndsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// Rows of the clips whose id is a name of --clip, or ends with it; all without names. Error for the first name without
 /// a clip.
 Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& ids, const ExportArguments& arguments) {
