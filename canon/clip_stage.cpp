@@ -97,35 +97,6 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
   return clip;
 }
 
-/// Two samples over the same frames: clip ids contain the frames, so that only one can stay.
-Finding SameFrames(const Clip& clip, const ActionTriple& triple) {
-  Finding finding = MakeFinding(
-      "same_frames", Severity::kWarning, 0.0,
-      "'" + triple.previous + "' to '" + triple.current + "' has the same frames as another sample, which was kept",
-      FindingAction::kDropped);
-  finding.clip = clip.id();
-  finding.frame_begin = triple.first_frame;
-  finding.frame_end = triple.end_frame();
-  return finding;
-}
-
-Finding NoAnchor(const Clip& clip, const Error& error) {
-  Finding finding = MakeFinding("no_anchor_frame", Severity::kWarning, clip.motion->frame_count(),
-                                error.what + "; " + error.hint, FindingAction::kDropped);
-  finding.clip = clip.id();
-  finding.frame_end = clip.motion->frame_count();
-  return finding;
-}
-
-Finding NothingLikeIt(const Clip& clip) {
-  Finding finding = MakeFinding("no_example_found", Severity::kWarning, 0.0,
-                                "no span is similar enough to the marked ones; lower trim.by_example.min_confidence",
-                                FindingAction::kDropped);
-  finding.clip = clip.id();
-  finding.frame_end = clip.motion->frame_count();
-  return finding;
-}
-
 /// Why a heading is suspect: its axis is nearly vertical in the anchor frame. Nothing for a reliable one.
 std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& clip, const Heading& heading) {
   Finding finding;
@@ -156,12 +127,8 @@ std::optional<Finding> Unobserved(const Clip& clip, TrimRule rule) {
   const std::vector<bool> inferred = InferredFrames(*clip.motion);
   const auto count = static_cast<int>(std::count(inferred.begin(), inferred.end(), true));
   if (count == 0 || (rule != TrimRule::kTriples && count < clip.motion->frame_count())) return std::nullopt;
-  Finding finding = MakeFinding("frames_inferred", Severity::kWarning, count,
-                                Counted(count, "frame") + " of the clip lie in gaps longer than ingest.source.max_gap",
-                                FindingAction::kDropped);
-  finding.clip = clip.id();
-  finding.frame_end = clip.motion->frame_count();
-  return finding;
+  return DroppedSpan(clip, "frames_inferred", 0, clip.motion->frame_count(), count,
+                     Counted(count, "frame") + " of the clip lie in gaps longer than ingest.source.max_gap");
 }
 
 using Examples = std::map<std::string, std::vector<Motion>>;
@@ -181,7 +148,10 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
     }
     for (const ActionTriple& triple : triples) {
       if (!taken.emplace(triple.first_frame, triple.end_frame()).second) {
-        findings.push_back(SameFrames(clip, triple));
+        // Clip ids contain the frames, so that only one can stay.
+        findings.push_back(DroppedSpan(clip, "same_frames", triple.first_frame, triple.end_frame(), 0.0,
+                                       "'" + triple.previous + "' to '" + triple.current +
+                                           "' has the same frames as another sample, which was kept"));
         continue;
       }
       auto sample = TakeTriple(options.triples, triple, clip);
@@ -194,7 +164,11 @@ Expected<std::vector<Clip>> CutClips(const TrimOptions& options, const Examples&
   if (options.rule == TrimRule::kByExample) {
     auto found = SpansByExample(options.by_example, examples, *clip.motion);
     if (!found) return Forward(found);
-    if (found->empty()) findings.push_back(NothingLikeIt(clip));
+    if (found->empty()) {
+      findings.push_back(
+          DroppedSpan(clip, "no_example_found", 0, clip.motion->frame_count(), 0.0,
+                      "no span is similar enough to the marked ones; lower trim.by_example.min_confidence"));
+    }
     spans = LongEnough(options, clip, *found, findings);
   } else {
     spans = FindSpans(options, clip, findings);
@@ -245,7 +219,9 @@ Expected<std::vector<Clip>> Canonicalise(const CanonOptions& options, const Exam
       continue;
     }
     if (const auto anchor = AnchorFrame(options.facing, cut); !anchor && options.facing.rule != FacingRule::kNone) {
-      findings.push_back(NoAnchor(cut, anchor.error()));
+      const int frames = cut.motion->frame_count();
+      findings.push_back(
+          DroppedSpan(cut, "no_anchor_frame", 0, frames, frames, anchor.error().what + "; " + anchor.error().hint));
       continue;
     }
     const auto heading = FaceFront(options.facing, cut);

@@ -15,14 +15,6 @@ namespace {
 
 constexpr int kMostAtOnce = 100;  // segments; people mark less than ten
 
-Finding Dropped(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
-  Finding finding = MakeFinding(code, Severity::kWarning, value, std::move(message), FindingAction::kDropped);
-  finding.clip = clip.id();
-  finding.frame_begin = begin;
-  finding.frame_end = end;
-  return finding;
-}
-
 std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
   const Motion& motion = *clip.motion;
   std::vector<KeptSpan> spans;
@@ -33,15 +25,15 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
     const int end =
         std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
     if (std::find(options.drop_labels.begin(), options.drop_labels.end(), segment.label) != options.drop_labels.end()) {
-      Finding finding = Dropped(clip, "label_excluded", begin, end, segment.end_s - segment.begin_s,
-                                "segment '" + segment.label + "' is in trim.drop_labels");
+      Finding finding = DroppedSpan(clip, "label_excluded", begin, end, segment.end_s - segment.begin_s,
+                                    "segment '" + segment.label + "' is in trim.drop_labels");
       finding.severity = Severity::kInfo;
       findings.push_back(finding);
       continue;
     }
     const auto [same, added] = label_of.emplace(std::pair(begin, end), "");  // a clip id contains its frames
     if (!added) {
-      findings.push_back(Dropped(
+      findings.push_back(DroppedSpan(
           clip, "same_frames", begin, end, segment.end_s - segment.begin_s,
           "segment '" + segment.label + "' has the same frames as segment '" + same->second + "', which was kept"));
       continue;
@@ -58,8 +50,8 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
     same->second = spans.back().label;
   }
   if (clip.segments.empty()) {
-    findings.push_back(Dropped(clip, "no_annotation", 0, motion.frame_count(), 0.0,
-                               "the clip has no annotated segment; trim.rule is 'annotated'"));
+    findings.push_back(DroppedSpan(clip, "no_annotation", 0, motion.frame_count(), 0.0,
+                                   "the clip has no annotated segment; trim.rule is 'annotated'"));
   }
   return spans;
 }
@@ -81,8 +73,8 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
   while (last >= first && speeds[last] < moving_speed) --last;
   if (first > last) {
     const double fastest = speeds.empty() ? 0.0 : *std::max_element(speeds.begin(), speeds.end());
-    findings.push_back(Dropped(clip, "never_moves", 0, motion.frame_count(), fastest,
-                               "fastest frame " + RoundedText(fastest) + " m/s, " + SpeedLimit(options)));
+    findings.push_back(DroppedSpan(clip, "never_moves", 0, motion.frame_count(), fastest,
+                                   "fastest frame " + RoundedText(fastest) + " m/s, " + SpeedLimit(options)));
     return {};
   }
   while (first > 0 && speeds[first - 1] >= options.still_speed) --first;
@@ -91,9 +83,9 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
   const KeptSpan span{std::max(0, first - margin), std::min(motion.frame_count(), last + 1 + margin), clip.label,
                       clip.fine_label};
   if (span.end - span.begin < motion.frame_count()) {
-    Finding finding = Dropped(clip, "still_frames", span.begin, span.end,
-                              static_cast<double>(motion.frame_count() - (span.end - span.begin)),
-                              "still frames at the ends were cut; the frames named here were kept");
+    Finding finding = DroppedSpan(clip, "still_frames", span.begin, span.end,
+                                  static_cast<double>(motion.frame_count() - (span.end - span.begin)),
+                                  "still frames at the ends were cut; the frames named here were kept");
     finding.severity = Severity::kInfo;
     finding.action = FindingAction::kDropped;
     findings.push_back(finding);
@@ -108,8 +100,8 @@ std::vector<KeptSpan> ChangeSpans(const TrimOptions& options, const Clip& clip, 
     const ProposedSegment& segment = segments[i];
     if (segment.rest && !options.change_points.keep_rests) {
       const double length_s = clip.motion->rate.FrameTime(segment.end - segment.begin);
-      Finding finding = Dropped(clip, "rest", segment.begin, segment.end, length_s,
-                                "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false");
+      Finding finding = DroppedSpan(clip, "rest", segment.begin, segment.end, length_s,
+                                    "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false");
       finding.severity = Severity::kInfo;
       findings.push_back(std::move(finding));
       continue;
@@ -127,13 +119,21 @@ std::vector<KeptSpan> CycleSpans(const TrimOptions& options, const Clip& clip, s
     spans.push_back({repetition.begin, repetition.end, clip.label, clip.fine_label, repetition.confidence});
   }
   if (spans.empty()) {
-    findings.push_back(Dropped(clip, "no_repetition", 0, clip.motion->frame_count(), 0.0,
-                               "the person never moves; trim.rule is 'cycles'"));
+    findings.push_back(DroppedSpan(clip, "no_repetition", 0, clip.motion->frame_count(), 0.0,
+                                   "the person never moves; trim.rule is 'cycles'"));
   }
   return spans;
 }
 
 }  // namespace
+
+Finding DroppedSpan(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
+  Finding finding = MakeFinding(code, Severity::kWarning, value, std::move(message), FindingAction::kDropped);
+  finding.clip = clip.id();
+  finding.frame_begin = begin;
+  finding.frame_end = end;
+  return finding;
+}
 
 bool EstimatesCuts(TrimRule rule) {
   return rule == TrimRule::kChangePoints || rule == TrimRule::kCycles || rule == TrimRule::kByExample;
@@ -193,9 +193,9 @@ std::vector<KeptSpan> LongEnough(const TrimOptions& options, const Clip& clip, c
     const bool still = span.end - span.begin < 2 && options.min_length_s > 0.0;
     if (span.end <= span.begin || still || length_s < options.min_length_s) {
       const std::string what = still ? "one frame" : RoundedText(length_s) + " s";
-      findings.push_back(
-          Dropped(clip, "too_short", span.begin, span.end, length_s,
-                  what + " of '" + span.label + "', trim.min_length is " + RoundedText(options.min_length_s) + " s"));
+      findings.push_back(DroppedSpan(
+          clip, "too_short", span.begin, span.end, length_s,
+          what + " of '" + span.label + "', trim.min_length is " + RoundedText(options.min_length_s) + " s"));
       continue;
     }
     kept.push_back(span);
