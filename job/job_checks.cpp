@@ -92,7 +92,6 @@ Status CheckDurations(const JobOptions& options) {
   return {};
 }
 
-/// Checks that rows that answer scripts name networks of the job of suitable kinds.
 /// Checks rows of filtered motions: each of a network of single actions, with its own name.
 Status CheckFilterRows(const JobOptions& options) {
   std::set<std::string> names = {"Real", "Real-test", "reference", "reference_test"};
@@ -118,6 +117,7 @@ Status CheckFilterRows(const JobOptions& options) {
   return {};
 }
 
+/// Checks that rows that answer scripts name networks of the job of suitable kinds.
 Status CheckScriptRows(const JobOptions& options) {
   const auto named = [&](const std::string& name) -> const NetworkOptions* {
     for (const NetworkOptions& network : options.train.networks) {
@@ -256,15 +256,12 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
   if (suits || last < first) return {};
-  const char* wanted = gives == EvidenceKind::kMotion              ? "none"
-                       : gives == EvidenceKind::kDepthViews        ? "point_clouds"
-                       : gives == EvidenceKind::kPointClouds       ? "point_clouds"
-                       : gives == EvidenceKind::kKeypoints         ? "keypoints"
-                       : gives == EvidenceKind::kKeypointsAndDepth ? "keypoints_and_clouds"
-                                                                   : "joint_tracks";
+  FittingOptions wanted;
+  wanted.method = gives == EvidenceKind::kMotion ? FitMethod::kNone : MethodFor(gives);
   return Fail(ErrorCode::kConfig,
               "the method does not suit format " + options.ingest.source.format + ", which gives " + Name(gives),
-              "fitting.method", std::string("write `method: ") + wanted + "` under fitting");
+              "fitting.method",
+              "write `method: " + OptionsToJson(wanted).at("method").get<std::string>() + "` under fitting");
 }
 
 /// Checks the file of an audited rig, and that the method reads it.

@@ -37,12 +37,6 @@ Status WriteJson(const fs::path& folder, const nlohmann::json& run) {
   return WriteFile(folder / "run.json", run.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
-/// Empty where there is no text.
-std::string TextIn(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 }  // namespace
 
 RunFile::RunFile(const LoadedJob& job, double budget, JobStage last, const fs::path& folder)
@@ -91,7 +85,7 @@ nlohmann::json ReadRunFile(const fs::path& folder) {
   if (!fs::is_regular_file(path, unknown)) return nullptr;
   nlohmann::json run = ReadJson(path).value_or(nullptr);
   if (!run.is_object() || !run.contains("options") || !run.at("options").is_object()) return nullptr;
-  return TextIn(run, "created_by").rfind("mocurate ", 0) == 0 ? run : nlohmann::json();
+  return TextField(run, "created_by").rfind("mocurate ", 0) == 0 ? run : nlohmann::json();
 }
 
 std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
@@ -101,9 +95,9 @@ std::vector<StaleOutput> StaleOutputs(const fs::path& folder) {
   if (run.contains("ended") && run.contains("stale")) {
     for (const nlohmann::json& output : run.at("stale")) {
       std::error_code unknown;
-      const std::string file = TextIn(output, "file");
+      const std::string file = TextField(output, "file");
       const bool exists = !file.empty() && fs::exists(folder / PathFromText(file), unknown);
-      if (exists) stale.push_back({file, TextIn(output, "stage")});
+      if (exists) stale.push_back({file, TextField(output, "stage")});
     }
     return stale;
   }

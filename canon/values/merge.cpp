@@ -46,11 +46,6 @@ std::vector<std::string> SharedGroups(GroupKind kind, const std::vector<int>& pa
   return shared;
 }
 
-Finding AboutSplit(const char* code, Severity severity, double value, const std::string& message,
-                   FindingAction action) {
-  return MakeFinding(code, severity, value, message, action);
-}
-
 /// A part, and its own split.
 using SplitOfPart = std::pair<std::size_t, const Split*>;
 
@@ -113,10 +108,10 @@ void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOf
     const bool has = std::any_of(splits.begin(), splits.end(), [&](const SplitOfPart& one) { return one.first == p; });
     const std::size_t clips = parts[p].dataset.clips.size();
     if (has || clips == 0) continue;
-    findings.push_back(AboutSplit("split_incomplete", Severity::kWarning, static_cast<double>(clips),
-                                  "split '" + name + "' is missing in " + parts[p].name + ", whose " +
-                                      Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
-                                  FindingAction::kFlagged));
+    findings.push_back(MakeFinding("split_incomplete", Severity::kWarning, static_cast<double>(clips),
+                                   "split '" + name + "' is missing in " + parts[p].name + ", whose " +
+                                       Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
+                                   FindingAction::kFlagged));
   }
 }
 
@@ -146,10 +141,10 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
           decided_by[at] = p;
         } else if (part_of_row[at] != own[row]) {
           Finding finding =
-              AboutSplit("split_part_differs", Severity::kWarning, 2.0,
-                         "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " + parts[decided_by[at]].name +
-                             ", " + NameOfPart(own[row]) + " in " + parts[p].name + "; kept in the first",
-                         FindingAction::kKept);
+              MakeFinding("split_part_differs", Severity::kWarning, 2.0,
+                          "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " + parts[decided_by[at]].name +
+                              ", " + NameOfPart(own[row]) + " in " + parts[p].name + "; kept in the first",
+                          FindingAction::kKept);
           finding.clip = clips[at].id();
           findings.push_back(std::move(finding));
         }
@@ -164,8 +159,8 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
     }
     split.leak_check = CheckUnited(parts, splits, part_of_row, clips, *contents);
     if (split.leak_check.rfind("ok", 0) != 0) {
-      findings.push_back(AboutSplit("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check,
-                                    FindingAction::kFlagged));
+      findings.push_back(MakeFinding("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check,
+                                     FindingAction::kFlagged));
     }
     united.push_back(std::move(split));
   }

@@ -225,9 +225,7 @@ const char* VariantName(ProtocolVariant variant) {
 Status WriteResults(const nlohmann::json& result, const EvaluationResult& evaluated, const fs::path& folder) {
   if (Status made = MakeFolder(folder / "features"); !made) return made;
   for (const auto& [name, file] : evaluated.features) {
-    std::string safe = name;
-    std::replace(safe.begin(), safe.end(), '/', '_');
-    if (Status copied = CopyWhole(file, folder / "features" / (safe + ".h5")); !copied) return copied;
+    if (Status copied = CopyWhole(file, folder / "features" / (FileNameOf(name) + ".h5")); !copied) return copied;
   }
   if (Status written = WriteFile(folder / "metrics.json", result.dump(1) + "\n"); !written) return written;
   const Table table = ResultTable(result, result.at("protocol").get<std::string>());

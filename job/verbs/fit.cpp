@@ -148,11 +148,16 @@ struct Declared {
   fs::path path;                     ///< folder of the files, if not the given path: the folder above
 };
 
+bool IsAssigned(const FitArguments& arguments, const std::string& option) {
+  return std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
+                     [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
+}
+
 /// Assumptions about unnamed columns, unless the command line declares them.
 void FindAssumptions(const FitArguments& arguments, const Inspection& inspection, std::vector<Finding>& findings) {
-  const std::set<std::string> deciding = {"least_confidence", "columns", "layout"};
-  for (const std::string& text : arguments.assignments)
-    if (text.rfind("ingest.source.", 0) == 0 && deciding.count(text.substr(14, text.find('=') - 14)) != 0) return;
+  for (const char* deciding : {"least_confidence", "columns", "layout"}) {
+    if (IsAssigned(arguments, std::string("ingest.source.") + deciding)) return;
+  }
   for (const Finding& finding : inspection.findings) {
     if (finding.code != "confidence_guessed") continue;
     findings.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.clip + ": " + finding.message,
@@ -187,22 +192,17 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
 Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
   std::vector<std::string> open;
   for (const std::string& option : declared.unknown) {
-    const std::string key = "ingest.source." + option + "=";
-    const bool declared_here =
-        std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
-                    [&](const std::string& assignment) { return assignment.rfind(key, 0) == 0; });
-    if (!declared_here) open.push_back(option);
+    if (!IsAssigned(arguments, "ingest.source." + option)) open.push_back(option);
   }
   if (open.empty()) return {};
-  std::string names, example;
+  std::string example;
   for (const std::string& option : open) {
-    names += (names.empty() ? "" : ", ") + option;
     const char* value = option == "rate" ? "'30 Hz'" : option == "axes" ? "AXES" : option == "units" ? "m" : "...";
     example += (example.empty() ? "" : " ") + std::string("--set ingest.source.") + option + "=" + value;
   }
   const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();
   return Fail(
-      ErrorCode::kUsage, "the files do not declare " + names, DisplayPath(arguments.path),
+      ErrorCode::kUsage, "the files do not declare " + JoinTexts(open), DisplayPath(arguments.path),
       "give --source with the name of a source declaration or a config, or add " + example +
           (axes ? "; AXES are the directions of the file's x, y and z for a person who faces +z with the left at "
                   "+x, e.g. '-x +y -z' (docs/conventions.md); wrong axes mirror the person"
@@ -215,11 +215,6 @@ bool HasRotations(const IngestOptions& ingest) {
   const FormatDriver& driver = DriverOf(ingest.source.format);
   if (!driver.stored) return driver.rotations;
   return HasStoredRotations(ingest.path);
-}
-
-bool IsAssigned(const FitArguments& arguments, const std::string& option) {
-  return std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
-                     [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
 }
 
 /// Without a known person, each recording is a body of its own. `unnamed`: the declaration does not name one either.
@@ -244,10 +239,7 @@ Status ChooseMethod(const FitArguments& arguments, JobOptions& options) {
 
 /// Estimated axes that mirror: the files show left and right exchanged, and their joint names may be wrong instead.
 std::optional<Finding> FindMirror(const FitArguments& arguments, const SourceOptions& source) {
-  const bool axes_declared =
-      !arguments.source.empty() ||
-      std::any_of(arguments.assignments.begin(), arguments.assignments.end(),
-                  [](const std::string& text) { return text.rfind("ingest.source.axes=", 0) == 0; });
+  const bool axes_declared = !arguments.source.empty() || IsAssigned(arguments, "ingest.source.axes");
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
   if (axes_declared || !axes || axes->handedness() == Handedness::kRight) return std::nullopt;
   AxisConvention right = *axes;

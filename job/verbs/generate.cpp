@@ -58,17 +58,11 @@ Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, cons
   return result;
 }
 
-/// Whether two skeletons have the same joints in the same tree.
-bool SameJoints(const Skeleton& a, const Skeleton& b) {
-  return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
-                    [](const Joint& x, const Joint& y) { return x.name == y.name && x.parent == y.parent; });
-}
-
 /// Mean length of each bone along the chains, over the frames of all motions of a dataset: (J), 0 for the root.
 Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& skeleton) {
   const Expected<Dataset> set = ReadDataset(path);
   if (!set) return Forward(set);
-  if (!SameJoints(*set->skeleton, skeleton)) {
+  if (!SameTree(*set->skeleton, skeleton)) {
     return Fail(ErrorCode::kInconsistent,
                 "the motions have skeleton '" + set->skeleton->name + "', but the network has '" + skeleton.name + "'",
                 DisplayPath(path), "give motions of skeleton '" + skeleton.name + "'");
