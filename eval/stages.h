@@ -5,11 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/motion/motion.h"
-#include "core/motion/request.h"
 #include "core/pipeline/stage.h"
 
 namespace mocurate {
+
+struct Motion;
+struct MotionRequest;
 
 /// Generates motions for requests, in their order; the table is independent of the program that does it.
 using AnswerRequests = std::function<Expected<std::vector<Motion>>(const std::vector<MotionRequest>& requests)>;

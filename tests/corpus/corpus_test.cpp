@@ -11,6 +11,7 @@
 #include "core/base/file.h"
 #include "tests/fuzz/seeds.h"
 #include "tests/support/child.h"
+#include "tests/support/folders.h"
 #include "tests/support/mutation.h"
 
 #define MOCURATE_FUZZ_TARGET(name) extern "C" int mocurate_fuzz_##name(const std::uint8_t* data, std::size_t size);
@@ -28,7 +29,6 @@ struct Target {
 constexpr Target kTargets[] = {
 #define MOCURATE_FUZZ_TARGET(name) {#name, mocurate_fuzz_##name},
 #include "fuzz_targets.inc"
-#include "tests/support/folders.h"
 #undef MOCURATE_FUZZ_TARGET
 };
 

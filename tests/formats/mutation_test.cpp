@@ -32,6 +32,7 @@
 #include "tests/support/acclaim_writers.h"
 #include "tests/support/cloud_writers.h"
 #include "tests/support/humanact12_clips.h"
+#include "tests/support/keypoints_equal.h"
 #include "tests/support/mutation.h"
 #include "tests/support/ntu_equal.h"
 

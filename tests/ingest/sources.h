@@ -89,7 +89,7 @@ struct Ingested {
 };
 
 /// With the clip of the artifact, or the error of an outcome that has none.
-inline Ingested IngestedClip(Expected<StageOutcome> outcome, const std::filesystem::path& artifact) {
+inline Ingested IngestedOf(Expected<StageOutcome> outcome, const std::filesystem::path& artifact) {
   Ingested result{std::move(outcome), artifact, {}};
   if (result.outcome && !HasArtifact(result.outcome->kind)) {
     const Error why = result.outcome->error;
@@ -113,7 +113,7 @@ inline Ingested RunIngest(const ItemSpec& item, const std::string& name) {
   request.inputs = item.inputs;
   request.output = SharedScratch("ingest_" + name + ".h5");
   std::filesystem::remove(request.output);
-  return IngestedClip(IngestStage(request), request.output);
+  return IngestedOf(IngestStage(request), request.output);
 }
 
 /// Ingests the only file of a small source and returns its error, if any.

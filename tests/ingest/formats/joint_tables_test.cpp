@@ -26,7 +26,7 @@ Whole IngestAll(const std::string& source) {
     return whole;
   }
   for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
-    Ingested ingested = IngestedClip(run.outcomes[i], run.Artifact(i));
+    Ingested ingested = IngestedOf(run.outcomes[i], run.Artifact(i));
     whole.clips += 1;
     if (!ingested.outcome) {
       whole.refused += 1;

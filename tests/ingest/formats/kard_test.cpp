@@ -36,7 +36,7 @@ TEST_F(Kard, IsReadInMetresAndRightHanded) {
   int frames = 0;
   std::set<std::string> people, labels;
   for (std::size_t i = 0; i < run.outcomes.size(); ++i) {
-    const Ingested ingested = IngestedClip(run.outcomes[i], run.Artifact(i));
+    const Ingested ingested = IngestedOf(run.outcomes[i], run.Artifact(i));
     ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
     EXPECT_EQ(ingested.outcome->kind, OutcomeKind::kDone)
         << run.discovery->items[i].item << ": "
