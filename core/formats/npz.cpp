@@ -1,3 +1,4 @@
+#include "core/base/text.h"
 #include "core/formats/npz.h"
 
 #include <algorithm>
@@ -11,10 +12,6 @@ namespace mocurate {
 namespace {
 
 constexpr std::string_view kExtension = ".npy";
-
-bool EndsWith(std::string_view text, std::string_view end) {
-  return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
-}
 
 }  // namespace
 
