@@ -1,10 +1,10 @@
-#include "core/base/text.h"
 #include "core/formats/npz.h"
 
 #include <algorithm>
 #include <set>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/base/unpacked_limit.h"
 #include "core/formats/pickle.h"
 

@@ -1,7 +1,6 @@
 // Small files with one damaged field: the error names the field or its line. Headers whose counts contradict the
 // data.
 
-
 #include <nlohmann/json.hpp>
 #include "core/formats/bvh.h"
 #include "core/formats/depth_sequence.h"
