@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Lines of C++ per module without blank lines and comments. Usage: scripts/size.py [--files] [COMMIT]
 
-Sources are formatted by scripts/format.sh first; then a module cannot shrink by dense code. With COMMIT that of the
-commit stands beside; --files lists the largest files of each module.
+Sources are formatted by scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total
+without tests. With COMMIT that of the commit stands beside; --files lists the largest files of each module.
 """
 import re
 import subprocess
@@ -41,12 +41,17 @@ def main():
     arguments = [a for a in sys.argv[1:] if a != "--files"]
     now = sizes(None)
     before = sizes(arguments[0]) if arguments else {}
+    line = lambda name, total, then: f"{name:8} {total:7}" + (f" {then:7} {total - then:+7}" if before else "")
+    product = [0, 0]
     for module in MODULES:
         own = {n: c for n, c in now.items() if n.split("/")[0] == module}
         then = sum(c for n, c in before.items() if n.split("/")[0] == module)
         total = sum(own.values())
+        if module == "tests":
+            print(line("product", *product))
+        product = [product[0] + total, product[1] + then]
         if total or then:
-            print(f"{module:8} {total:7}" + (f" {then:7} {total - then:+7}" if before else ""))
+            print(line(module, total, then))
         if "--files" in sys.argv:
             for name, count in sorted(own.items(), key=lambda item: -item[1])[:12]:
                 print(f"         {count:5} {name}")
