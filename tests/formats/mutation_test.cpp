@@ -169,7 +169,7 @@ TEST(DamagedFiles, DoNotCrashTheKeypointAndCameraReaders) {
              const auto frame = ParseOpenPose(bytes, "damaged");
              if (!frame) return;
              const auto again = ParseOpenPose(WriteOpenPose(*frame), "again");
-             ASSERT_TRUE(again && *again == *frame) << bytes;
+             ASSERT_TRUE(again && again->people == frame->people) << bytes;
            });
   const std::string pose = R"("R":[[1,0,0],[0,1,0],[0,0,1]],"T":[[1],[2],[3]],"fx":4,"fy":4,"cx":1,"cy":1,)";
   for (const std::string& seed :

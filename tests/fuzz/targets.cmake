@@ -7,4 +7,5 @@ set(MOCURATE_FUZZ_LIBRARIES mocurate_config mocurate_formats mocurate_checkpoint
 set(MOCURATE_FUZZ_SEEDS ${CMAKE_CURRENT_LIST_DIR}/seeds_binary.cpp ${CMAKE_CURRENT_LIST_DIR}/seeds_motion.cpp
   ${CMAKE_CURRENT_LIST_DIR}/seeds_noted.cpp ${CMAKE_CURRENT_LIST_DIR}/seeds_stored.cpp)
 set(MOCURATE_FUZZ_PATTERN ${PROJECT_SOURCE_DIR}/ingest/sources/pattern.cpp)
-set(MOCURATE_FUZZ_WHERE ${PROJECT_SOURCE_DIR}/canon/values/subset.cpp ${PROJECT_SOURCE_DIR}/canon/values/where.cpp ${PROJECT_SOURCE_DIR}/canon/values/where_parse.cpp)
+set(MOCURATE_FUZZ_WHERE ${PROJECT_SOURCE_DIR}/canon/splits/leaks.cpp ${PROJECT_SOURCE_DIR}/canon/values/subset.cpp
+  ${PROJECT_SOURCE_DIR}/canon/values/where.cpp ${PROJECT_SOURCE_DIR}/canon/values/where_parse.cpp)

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-const fs::path kSources = kSourceFolder;
+const fs::path kSources = mocurate::kSourceFolder;
 const char* const kModules[] = {"core", "ingest", "fitting", "canon", "train", "eval", "report", "job", "app"};
 
 /// Link name of a heavy library (as a prefix) -> the targets that may name it.
@@ -181,7 +181,7 @@ TEST(HeavyLinks, EachLibraryIsLinkedOnlyInItsModule) {
 TEST(HeavyLinks, NoProgramReachesALibraryOfAnotherModule) { EXPECT_THAT(ForbiddenReach(AllLinks()), IsEmpty()); }
 
 TEST(HeavyLinks, FrontEndLoadsNoHeavyLibrary) {
-  const fs::path program = fs::path(kBinaryFolder) / "mocurate";
+  const fs::path program = fs::path(mocurate::kBinaryFolder) / "mocurate";
   if (!fs::exists(program)) GTEST_SKIP() << "the learn slice has no front end";
   FILE* pipe = ::popen(("LC_ALL=C readelf -d '" + program.string() + "'").c_str(), "r");
   ASSERT_NE(pipe, nullptr);

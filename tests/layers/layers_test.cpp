@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = kSourceFolder;
+const fs::path kRoot = mocurate::kSourceFolder;
 
 /// Module -> modules that it may include besides itself.
 const std::map<std::string, std::set<std::string>> kAllowed = {
