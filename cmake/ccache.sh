@@ -3,7 +3,7 @@
 # Paths below SOURCES count as relative. A precompiled header differs between clones in the paths it holds: ccache takes
 # a hash of its text and options instead, which lies beside it (pch_external_checksum).
 set -e
-ccache=$1 sources=$2
+ccache=$1 sources=$2 last= output= skip=
 export CCACHE_BASEDIR="$sources" CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_PCH_EXTSUM=1
 shift 2
 case " $* " in
@@ -22,8 +22,8 @@ case " $* " in
           *) set -- "$@" "$word" ;;
         esac
       done
-      "$@" -E -P >"$output.sum.tmp"
-      { "$1" --version && echo "$*" | sed "s#$sources##g"; } >>"$output.sum.tmp"
+      "$@" -E -P -dD >"$output.sum.tmp"  # also definitions of macros
+      { "$1" --version && echo "$*" | awk -v s="$sources" '{ while (i = index($0, s)) $0 = substr($0, 1, i - 1) substr($0, i + length(s)) } 1'; } >>"$output.sum.tmp"
     )
     sha256sum <"$output.sum.tmp" >"$output.sum"
     rm "$output.sum.tmp"

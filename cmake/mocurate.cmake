@@ -191,5 +191,8 @@ endfunction()
 function(mocurate_add_test target test label cost timeout filter)
   add_test(NAME ${test} COMMAND ${PROJECT_SOURCE_DIR}/cmake/run_whole.sh $<TARGET_FILE:${target}>
     --gtest_filter=${filter})
+  if(MOCURATE_SANITIZE)
+    math(EXPR timeout "8 * ${timeout}")
+  endif()
   set_tests_properties(${test} PROPERTIES TIMEOUT ${timeout} SKIP_RETURN_CODE 77 LABELS ${label} COST ${cost})
 endfunction()

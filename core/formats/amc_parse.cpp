@@ -142,11 +142,16 @@ class AmcParser {
     const double number = scanner_.value();
     const std::string text(scanner_.text());
     if (number != std::floor(number) || std::abs(number) > 1e9) {
-      return Bad("'" + Shown(text) + "' is not a frame number");
+      if (!FollowsWhole()) return Bad("'" + Shown(text) + "' is not a frame number");
+      const bool more = SkipLine();
+      if (Status begun = BeginUnnumbered("'" + Shown(text) + "' is found"); !begun) return Forward(begun);
+      return more;
     }
     Expected<bool> more = LineEnds("frame number " + Shown(text));
     if (!more) return more;
     const int before = amc_.frames > 0 ? amc_.frame_numbers.back() : 0;
+    // Began at a stray line before its number, which is this one.
+    if (unnumbered_ && !HoldsBone() && number == before) return more;
     if (Status begun = Begin(static_cast<int>(number)); !begun) return Forward(begun);
     if (amc_.frames > 1 && number != before + 1.0) {
       Report("frame_number", "", number,
@@ -156,13 +161,28 @@ class AmcParser {
   }
 
   bool HoldsBone() const { return std::find(here_.begin(), here_.end(), 1) != here_.end(); }
+  /// Whether the frame that is being read has ended, as the one before it did: what follows begins another.
+  bool FollowsWhole() const {
+    return Reports() && amc_.frames > 1 && last_ == last_before_ && here_[last_before_] != 0;
+  }
+
+  /// A frame whose number is damaged or missing has the one that is next.
+  Status BeginUnnumbered(const std::string& what) {
+    const int number = amc_.frame_numbers.back() + 1;
+    const std::string place = Place(line_), expected = std::to_string(number);
+    if (Status begun = Begin(number, true); !begun) return begun;
+    Report("frame_number", "", number,
+           place + ": " + what + " where frame number " + expected + " is expected: taken for that frame");
+    return {};
+  }
+
   /// A bone of the skeleton has a pose in every frame, with numbers or without.
   Status CheckMemory(std::size_t frames) const {
     const std::size_t bones = options_.skeleton == nullptr ? amc_.bones.size() : options_.skeleton->bones.size();
     return CheckPoseMemory(std::max(bones, static_cast<std::size_t>(amc_.channel_count) / 7), frames, bytes_, name_);
   }
 
-  Status Begin(int number) {
+  Status Begin(int number, bool unnumbered = false) {
     if (Status closed = CloseFrame(false); !closed) return closed;
     if (Status fits = CheckMemory(static_cast<std::size_t>(amc_.frames) + 1); !fits) return fits;
     if (amc_.frames == std::numeric_limits<int>::max() / 2) return Bad("too many frames");
@@ -170,6 +190,7 @@ class AmcParser {
     ++amc_.frames;
     frame_lines_.push_back(line_);
     last_before_ = last_;
+    unnumbered_ = unnumbered;
     misspelt_.reset();
     row_.assign(static_cast<std::size_t>(amc_.channel_count), 0.0);
     here_.assign(amc_.bones.size(), 0);
@@ -185,6 +206,10 @@ class AmcParser {
     const bool whole = token == Token::kLineEnd || token == Token::kEnd;
     const bool learns = options_.skeleton == nullptr && amc_.frames == 1;
     auto found = index_.find(bone);
+    if (found == index_.end() && whole && numbers_.empty() && FollowsWhole()) {
+      if (Status begun = BeginUnnumbered("'" + Shown(bone) + "' is found"); !begun) return Forward(begun);
+      return token == Token::kLineEnd;
+    }
     if (found == index_.end() && !learns) {
       const std::optional<std::size_t> meant = Meant(bone);
       const Error unknown = UnknownBone(called, meant);
@@ -213,6 +238,10 @@ class AmcParser {
       found = index_.find(bone);
     }
     const AmcBone& known = amc_.bones[found->second];
+    if (found->second == first_ && here_[first_] != 0 && FollowsWhole()) {
+      if (Status begun = BeginUnnumbered(called + " stands"); !begun) return Forward(begun);
+    }
+    if (amc_.frames == 1 && !HoldsBone()) first_ = found->second;
     last_ = found->second;
     if (here_[found->second] != 0) {
       if (!Reports() || amc_.frames < 2) return Bad(called + " appears twice");
@@ -331,9 +360,11 @@ class AmcParser {
   std::vector<double> numbers_, row_;
   std::vector<std::uint8_t> here_;
   std::vector<int> frame_lines_;            ///< (frames) of the frame numbers
+  std::size_t first_ = 0;                   ///< bone with which frames begin
   std::size_t last_ = 0, last_before_ = 0;  ///< with which this frame and the one before it ended
   std::optional<std::size_t> misspelt_;     ///< bone of a complete row of this frame with an unknown name
   std::optional<Error> misread_;            ///< of the first frame, if most are as it
+  bool unnumbered_ = false;                 ///< this frame began without its number
   int line_ = 1;
 };
 

@@ -168,8 +168,10 @@ Expected<std::vector<ItemSpec>> Plan::Task(std::size_t task) const {
   if (!value) return Forward(value);
   try {
     return ItemsFromJson(*value);
-  } catch (const std::exception& wrong) {  // of JSON, or of a number of options that is not there
+  } catch (const json::exception& wrong) {
     return NotAPlan(file_, wrong.what(), "tasks");
+  } catch (const std::out_of_range&) {
+    return NotAPlan(file_, "options by a number that it does not have", "tasks");
   }
 }
 

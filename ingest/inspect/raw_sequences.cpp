@@ -9,7 +9,6 @@
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
-namespace {}  // namespace
 
 Status RawSequences::AddOpenPose(const FileBytes& file) {
   Expected<OpenPoseFrame> frame = ParseOpenPose(file.bytes, file.name);

@@ -64,33 +64,5 @@ TEST(AmcMisspelt, RejectsABoneThatIsMisspeltInMostFrames) {
   ExpectMalformed(ReadArm(text, asf, DamagedRows::kReport), "wave.amc:5");
 }
 
-TEST(AmcMisspelt, AStrayWordCostsTheFrameThatItFollows) {
-  const std::string frames =
-      ":DEGREES\n1\nroot 1 2\narm 3\n2\nroot 4 5\narm 6\npause\n3\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n";
-  const auto amc = ParseAmc(frames, {nullptr, DamagedRows::kReport}, "wave.amc");
-  ASSERT_TRUE(amc) << amc.error().Message();
-  EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
-  EXPECT_THAT(amc->damaged, ElementsAre(1));
-  ASSERT_EQ(amc->findings.size(), 1u);
-  EXPECT_EQ(amc->findings[0].code, "bone_unknown");
-}
-
-TEST(AmcMisspelt, AMisspeltFrameNumberCostsTwoFramesAndNoTime) {
-  const std::string frames =
-      ":DEGREES\n1\nroot 1 2\narm 3\n2\nroot 4 5\narm 6\n3x\nroot 7 8\narm 9\n4\nroot 1 2\narm 3\n";
-  const auto amc = ParseAmc(frames, {nullptr, DamagedRows::kReport}, "wave.amc");
-  ASSERT_TRUE(amc) << amc.error().Message();
-  EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 4));
-  EXPECT_THAT(amc->damaged, ElementsAre(1, 2));
-}
-
-TEST(AmcMisspelt, ARepeatedFrameNumberStartsTwoFrames) {
-  const std::string frames = ":DEGREES\n1\nroot 1 2\narm 3\n2\nroot 4 5\narm 6\n3\n3\nroot 7 8\narm 9\n";
-  const auto amc = ParseAmc(frames, {nullptr, DamagedRows::kReport}, "wave.amc");
-  ASSERT_TRUE(amc) << amc.error().Message();
-  EXPECT_THAT(amc->frame_numbers, ElementsAre(1, 2, 3, 3));
-  EXPECT_THAT(amc->damaged, ElementsAre(2));
-}
-
 }  // namespace
 }  // namespace mocurate

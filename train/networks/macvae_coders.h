@@ -30,8 +30,6 @@ torch::Tensor EncoderPositions(std::int64_t frames, std::int64_t width, bool rel
 /// `transition` (B) frames: the second half of the channels counts from the first frame of the action again.
 /// (count,B,E)
 torch::Tensor DecoderPositions(const torch::Tensor& transition, const torch::Tensor& table, std::int64_t count);
-/// Transitions that the released table has an entry for end below this (multiact.md C.2).
-constexpr std::int64_t LongestTransition(std::int64_t frames) { return frames - 2; }
 
 /// PrevNet and CurrNet: the prior of both latents from the last frames of the previous motion and two words.
 struct MacvaePriorImpl : torch::nn::Module {

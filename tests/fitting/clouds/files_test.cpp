@@ -25,6 +25,8 @@
 namespace mocurate {
 namespace {
 
+const double kVoxel = PointCloudOptions().voxel_size;
+
 using ::testing::HasSubstr;
 
 std::filesystem::path FolderOfClouds() {
@@ -200,10 +202,9 @@ TEST_F(CloudFilesOfStudio, FitAsWellAsTheDepthImages) {
 
 TEST_F(CloudFilesOfStudio, AnyUnitAndHandednessGivesTheSamePoints) {
   const std::vector<DepthView>& views = takes_[0].evidence.depth_views;
-  const FusedCloud images =
-      PersonPoints(FuseViews(views, 0, PointCloudOptions().voxel_size).value(), PointCloudOptions().voxel_size);
-  const FusedCloud one = ReadPersonCloud(RawClouds(views, "metres_", 1.0), 0, {}).value();
-  const FusedCloud other = ReadPersonCloud(RawClouds(views, "mirrored_", -0.001), 0, {}).value();
+  const FusedCloud images = PersonPoints(FuseViews(views, 0, kVoxel).value(), kVoxel);
+  const FusedCloud one = ReadPersonCloud(RawClouds(views, "metres_", 1.0), 0, kVoxel).value();
+  const FusedCloud other = ReadPersonCloud(RawClouds(views, "mirrored_", -0.001), 0, kVoxel).value();
   EXPECT_NEAR(one.size(), images.size(), 0.35 * images.size())
       << "files keep flying pixels, which only images can identify";
   EXPECT_NEAR(one.size(), other.size(), 0.01 * one.size());
@@ -214,9 +215,8 @@ TEST_F(CloudFilesOfStudio, AnyUnitAndHandednessGivesTheSamePoints) {
 TEST_F(CloudFilesOfStudio, PersonInARoomIsFoundByNormals) {
   const std::vector<CloudTake> takes = Takes(1, 1, true);
   const std::vector<DepthView>& views = takes[0].evidence.depth_views;
-  const FusedCloud images =
-      PersonPoints(FuseViews(views, 0, PointCloudOptions().voxel_size).value(), PointCloudOptions().voxel_size);
-  const FusedCloud scan = ReadPersonCloud(ScannedClouds(views, "room_"), 0, {}).value();
+  const FusedCloud images = PersonPoints(FuseViews(views, 0, kVoxel).value(), kVoxel);
+  const FusedCloud scan = ReadPersonCloud(ScannedClouds(views, "room_"), 0, kVoxel).value();
   EXPECT_NEAR(scan.size(), images.size(), 0.15 * images.size());
   EXPECT_GT(scan.excluded, 10 * scan.size());
   EXPECT_GT(FacingAs(images, scan), 0.95);
@@ -274,13 +274,13 @@ TEST_F(CloudFilesOfStudio, StagesIngestMeasureAndFit) {
 TEST_F(CloudFilesOfStudio, MissingChangedAndUnreadableFilesAreNamed) {
   CloudFiles clouds = RawClouds(takes_[0].evidence.depth_views, "named_", 0.001);
   clouds.files[0].clear();
-  EXPECT_EQ(ReadPersonCloud(clouds, 0, {}).value().size(), 0);
+  EXPECT_EQ(ReadPersonCloud(clouds, 0, kVoxel).value().size(), 0);
   ASSERT_TRUE(WriteFile(clouds.files[1], "ply\nformat ascii 1.0\nend_header\n"));
-  EXPECT_THAT(ReadPersonCloud(clouds, 1, {}).error().Message(), HasSubstr("has changed since it was ingested"));
+  EXPECT_THAT(ReadPersonCloud(clouds, 1, kVoxel).error().Message(), HasSubstr("has changed since it was ingested"));
   clouds.sha256[1].clear();
-  EXPECT_THAT(ReadPersonCloud(clouds, 1, {}).error().Message(), HasSubstr("named_1.ply"));
+  EXPECT_THAT(ReadPersonCloud(clouds, 1, kVoxel).error().Message(), HasSubstr("named_1.ply"));
   std::filesystem::remove(clouds.files[2]);
-  EXPECT_EQ(ReadPersonCloud(clouds, 2, {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(ReadPersonCloud(clouds, 2, kVoxel).error().code, ErrorCode::kNotFound);
   Clip clip;
   clip.evidence.clouds = clouds;
   clip.evidence.clouds->time_s[2] = clip.evidence.clouds->time_s[1];
