@@ -240,7 +240,7 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
                 "give both the same clock, or fit one modality alone: fitting.method keypoints or point_clouds");
   }
   const Motion& motion = keypoints.motion;
-  const CapsuleBody body = CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), 1.0);
+  const CapsuleBody body = CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
   const ModalityAlignment alignment = AlignModalities(body, StateOf(motion, body), KnownJoints(motion), paired, shown,
                                                       step, options.audit.longest_s, options.max_distance);
   if (Status one = CheckOnePerson(alignment, options.audit, clip.id()); !one) return Forward(one);

@@ -143,7 +143,7 @@ Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::v
     for (std::size_t i = 0; i < train.size(); ++i) {
       targets(static_cast<Eigen::Index>(i), labels[static_cast<std::size_t>(train[i])]) = 1.0;
     }
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(kernel);
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> solver(kernel);  // positive definite: a kernel of Gaussians and kRidge
     const Eigen::MatrixXd weights = solver.solve(targets);
     const Eigen::MatrixXf towards = (SquaredDistances(ColumnsOf(descriptors, judged), known) * scale).array().exp();
     const Eigen::MatrixXd answers = towards.cast<double>() * weights;

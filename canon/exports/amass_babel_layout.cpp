@@ -128,7 +128,7 @@ class AmassBabelWriter : public LayoutWriter {
   explicit AmassBabelWriter(const ExportSet& set) : set_(set), names_(set.ids, RecordingNames::kOfSet) {
     source_ = FileNames({kClipTable, kDeclarationFile, kSkeletonFile, kLabelTable, kBabelFolder}).Of(names_.source());
     for (std::size_t i = 0; i < set.ids.size(); ++i)
-      named_poses_ = named_poses_ && EndsWith(names_.Recording(i), kPoses);
+      named_poses_ = named_poses_ && names_.Recording(i) != kPoses && EndsWith(names_.Recording(i), kPoses);
     if (!set.splits.empty()) parts_ = PartsOf(set.splits.front(), set.ids.size());
   }
 

@@ -167,7 +167,7 @@ bool HasTemplateShape(const Skeleton& skeleton) {
   return true;
 }
 
-CapsuleBody CapsuleBody::Make(SkeletonPtr skeleton, double scale, double radius_scale) {
+CapsuleBody CapsuleBody::Make(SkeletonPtr skeleton, double scale) {
   CapsuleBody body;
   const bool has_template = HasTemplateShape(*skeleton);
   AddBones(*skeleton, has_template, body);
@@ -176,7 +176,7 @@ CapsuleBody CapsuleBody::Make(SkeletonPtr skeleton, double scale, double radius_
   for (BodyCapsule& capsule : body.capsules) {
     capsule.begin_offset *= scale;
     capsule.end_offset *= scale;
-    capsule.radius *= scale * radius_scale;
+    capsule.radius *= scale;
   }
   body.skeleton = std::move(skeleton);
   return body;
@@ -239,14 +239,14 @@ std::optional<CapsuleBody> BodyFromRadii(SkeletonPtr skeleton, const std::vector
     numbers.push_back(*number);
   }
   const double scale = BodyScale(*skeleton, bone_length);
-  const std::size_t capsules = CapsuleBody::Make(skeleton, scale, 1.0).capsules.size();
+  const std::size_t capsules = CapsuleBody::Make(skeleton, scale).capsules.size();
   if (numbers.size() != capsules && numbers.size() != capsules + kShapeComponents) return std::nullopt;
   if (numbers.size() > capsules) {
     auto own = std::make_shared<Skeleton>(*skeleton);
     std::copy(numbers.begin() + static_cast<std::ptrdiff_t>(capsules), numbers.end(), own->shape.begin());
     skeleton = std::move(own);
   }
-  CapsuleBody body = CapsuleBody::Make(std::move(skeleton), scale, 1.0);
+  CapsuleBody body = CapsuleBody::Make(std::move(skeleton), scale);
   for (std::size_t i = 0; i < capsules; ++i) {
     if (!(numbers[i] > 0.0)) return std::nullopt;
     body.capsules[i].radius = numbers[i];

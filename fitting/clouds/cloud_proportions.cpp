@@ -85,7 +85,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
                                           double scale, const SkeletonPtr& skeleton, const PointCloudOptions& options) {
   Expected<CloudsOfClips> some = SomeCloudsOf(clips, options);
   if (!some) return Forward(some);
-  const CapsuleBody capsules = CapsuleBody::Make(skeleton, scale, 1.0);
+  const CapsuleBody capsules = CapsuleBody::Make(skeleton, scale);
   std::vector<PoseState> states;
   for (const Motion& motion : motions) states.push_back(StateOf(motion, capsules));
   std::vector<std::pair<std::size_t, std::size_t>> usable;  // (index of the clip, cloud): a few clouds are chosen over

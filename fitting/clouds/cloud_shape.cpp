@@ -39,7 +39,7 @@ struct Figure {
 
   Figure(const SkeletonPtr& rest, double scale, const BodyShape& shape, int frames)
       : skeleton(WithShape(rest, shape)),
-        body(CapsuleBody::Make(skeleton, scale, 1.0)),
+        body(CapsuleBody::Make(skeleton, scale)),
         state(*skeleton, frames, Lengths(scale), body.MovingJoints()) {}
 
   std::vector<double> Lengths(double scale) const {

@@ -56,7 +56,7 @@ double HeightOfPerson(const FusedCloud& cloud, double voxel_size) {
 
 /// From crown to soles in the rest pose, metres.
 double HeightOfRestBody(const SkeletonPtr& skeleton) {
-  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0);
   PoseState rest(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   rest.Update(0, 1, false);
   return HeightOf(body, rest, 0).height();
@@ -175,7 +175,7 @@ class SizeSearch {
   std::vector<double> HeightRatios(const PosedSize& size) const;
 
  private:
-  CapsuleBody BodyOf(double scale) const { return CapsuleBody::Make(skeleton_, scale, 1.0); }
+  CapsuleBody BodyOf(double scale) const { return CapsuleBody::Make(skeleton_, scale); }
 
   PoseState PosesOf(const CapsuleBody& body, int frames, double scale) const {
     std::vector<double> lengths = skeleton_->RestBoneLengths();

@@ -317,7 +317,7 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
     return Fail(ErrorCode::kInconsistent, "no frame has " + std::to_string(kFewestPoints) + " points", "depth views",
                 "check depth_unit and the cameras");
   }
-  CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length), 1.0);
+  CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length));
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
   const auto start =

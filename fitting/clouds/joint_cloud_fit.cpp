@@ -354,7 +354,7 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
   }
   if (poses.empty())
     return Fail(ErrorCode::kInternal, "the fit of the joint tracks has no pose covariances", "evidence");
-  CapsuleBody body = CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), 1.0);
+  CapsuleBody body = CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
   if (shown.empty()) {

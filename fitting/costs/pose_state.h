@@ -12,7 +12,7 @@ namespace mocurate {
 /// joint (3, parent_from_joint; world_from_root for joint 0). After all frames: one bone length per joint (metres).
 ///
 /// With R = Exp(w), G the global rotations and p the positions: p_c = p_p + G_p b_c u_c, u the rest directions, and for
-/// a joint a above j: dp_j/dw_a = -Hat(p_j - p_a) A_a, A_a = G_parent(a) J_l(w_a); dp_j/db_k = G_parent(k) u_k.
+/// a joint a above j: dp_j/dw_a = -Hat(p_j - p_a) A_a, A_a = G_parent(a) J_l(w_a).
 class PoseState {
  public:
   /// `active` (J): joints whose rotation is a parameter; the others stay at the identity (but see SetActive).

@@ -138,7 +138,7 @@ DepthImage Mirrored(const DepthImage& image) {
 
 BodyView::BodyView(const Actor& actor)
     : actor_(actor),
-      capsules_(CapsuleBody::Make(actor.skeleton, BodyScale(*actor.skeleton, actor.subject.bone_length), 1.0)) {}
+      capsules_(CapsuleBody::Make(actor.skeleton, BodyScale(*actor.skeleton, actor.subject.bone_length))) {}
 
 std::vector<PosedCapsule> BodyView::Capsules(const Motion& motion, int frame) const {
   std::vector<Vector3d> joints(static_cast<std::size_t>(motion.joint_count()));

@@ -67,7 +67,7 @@ TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
   EXPECT_EQ(json["stale"], nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}}));
 }
 
-TEST(InspectRun, CountsDecisionsAndOutcomesOfTheLog) {
+TEST(InspectRun, CountsDecisionsOfTheLog) {
   const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, SmallJob(folder, "runs/a"), SharedCache()).exit_code, 0);
   const fs::path run = folder / "runs/a";

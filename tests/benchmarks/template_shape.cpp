@@ -92,7 +92,7 @@ std::vector<CapsuleNumbers> ChangesOf(const Motion& truth, const SkeletonPtr& sk
   auto own = std::make_shared<Skeleton>(*truth.skeleton);
   own->shape = ShapeOfBones(skeleton, truth);
   const double scale = BodyScale(*skeleton, truth.bone_length);
-  CapsuleBody body = CapsuleBody::Make(own, scale, 1.0);
+  CapsuleBody body = CapsuleBody::Make(own, scale);
   PoseState state(*own, static_cast<int>(posed.clouds.size()), truth.bone_length,
                   std::vector<bool>(own->joints.size(), true));
   std::vector<int> frames;
@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   const std::vector<CloudTake> takes = CloudTakes(wanted, folder);
   if (takes.empty()) return std::fprintf(stderr, "no body: set MOCURATE_DATA\n"), 2;
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
-  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0);
   const PointCloudOptions options;
   std::map<int, PosedClouds> of_person;
   std::map<int, const Motion*> truth;

@@ -12,12 +12,12 @@ namespace {
 
 TEST(CapsuleBody, HasOneCapsulePerBoneWhereTheTemplateDoesNotApply) {
   const test::StickFigure figure = test::MakeStickFigure();
-  const CapsuleBody body = CapsuleBody::Make(figure.skeleton, 2.0, 0.5);
+  const CapsuleBody body = CapsuleBody::Make(figure.skeleton, 2.0);
   ASSERT_EQ(body.capsules.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(body.capsules[i].end_joint, i + 1);
     EXPECT_EQ(body.capsules[i].frame, figure.skeleton->joints[i + 1].parent);
-    EXPECT_DOUBLE_EQ(body.capsules[i].radius, figure.skeleton->joints[i + 1].radius);
+    EXPECT_DOUBLE_EQ(body.capsules[i].radius, 2.0 * figure.skeleton->joints[i + 1].radius);
   }
 }
 
@@ -36,7 +36,7 @@ TEST(CapsuleBody, ComesBackFromTheTextOfItsRadii) {
   std::vector<double> bones = figure.skeleton->RestBoneLengths();
   for (double& bone : bones) bone *= 1.1;
   EXPECT_NEAR(BodyScale(*figure.skeleton, bones), 1.1, 1e-12);
-  CapsuleBody body = CapsuleBody::Make(figure.skeleton, 1.1, 1.0);
+  CapsuleBody body = CapsuleBody::Make(figure.skeleton, 1.1);
   body.capsules[1].radius = 0.12345;
   const auto read = BodyFromRadii(figure.skeleton, bones, RadiiText(body));
   ASSERT_TRUE(read);
@@ -49,11 +49,11 @@ TEST(CapsuleBody, ComesBackFromTheTextOfItsRadii) {
 
 TEST(CapsuleBody, ComesBackWithItsBodyShape) {
   auto own = std::make_shared<Skeleton>(**LoadSkeleton("smpl24"));
-  const CapsuleBody usual = CapsuleBody::Make(own, 1.1, 1.0);
+  const CapsuleBody usual = CapsuleBody::Make(own, 1.1);
   own->shape = {1.5, -0.5, 0.25, 2.0, -1.0};
   std::vector<double> bones = own->RestBoneLengths();
   for (double& bone : bones) bone *= 1.1;
-  const CapsuleBody body = CapsuleBody::Make(own, 1.1, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(own, 1.1);
   const auto read = BodyFromRadii(*LoadSkeleton("smpl24"), bones, RadiiText(body));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->skeleton->shape, own->shape);
@@ -68,7 +68,7 @@ TEST(CapsuleBody, ComesBackWithItsBodyShape) {
 TEST(CapsuleBody, HasEveryCapsuleOfASideOnTheOtherSideToo) {
   auto own = std::make_shared<Skeleton>(**LoadSkeleton("smpl24"));
   own->shape = {1.0, 1.0, 1.0, 1.0, 1.0};
-  const CapsuleBody body = CapsuleBody::Make(own, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(own, 1.0);
   const Vector3d mirror(-1.0, 1.0, 1.0);
   for (std::size_t i = 0; i < body.capsules.size(); ++i) {
     const BodyCapsule& one = body.capsules[i];

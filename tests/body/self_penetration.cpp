@@ -130,7 +130,7 @@ std::optional<SelfPenetration> MeasureSelfPenetration(const Motion& motion, cons
   const std::vector<double> lengths = joints_only ? MeanBoneLengths(motion) : motion.bone_length;
   const double scale = BodyScale(*motion.skeleton, lengths);
   const CapsuleBody body =
-      joints_only ? BodyOnBones(motion.skeleton, scale) : CapsuleBody::Make(motion.skeleton, scale, 1.0);
+      joints_only ? BodyOnBones(motion.skeleton, scale) : CapsuleBody::Make(motion.skeleton, scale);
   const std::vector<Pair> pairs = PairsOf(body, places, lengths);
 
   SelfPenetration measured;

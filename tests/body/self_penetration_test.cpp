@@ -46,7 +46,7 @@ Motion ArmThroughTrunk() {
 /// segments.
 double DepthByPoints(const Motion& motion, int frame) {
   const Skeleton& skeleton = *motion.skeleton;
-  const CapsuleBody body = CapsuleBody::Make(motion.skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(motion.skeleton, 1.0);
   std::vector<Vector3d> joints(skeleton.joints.size());
   std::vector<Quaterniond> frames(skeleton.joints.size());
   ForwardKinematics(skeleton, motion.root_translation[static_cast<std::size_t>(frame)], &motion.rotation_at(frame, 0),

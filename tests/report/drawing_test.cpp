@@ -125,7 +125,7 @@ TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
 
 TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
   const PosedBody plain = BodyOf(fitted_, 20);
-  const std::size_t count = CapsuleBody::Make(fitted_.motion->skeleton, 1.0, 1.0).capsules.size();
+  const std::size_t count = CapsuleBody::Make(fitted_.motion->skeleton, 1.0).capsules.size();
   ASSERT_GT(count, 0u);
   std::string radii = "0.2";
   for (std::size_t i = 1; i < count; ++i) radii += " 0.2";

@@ -17,7 +17,7 @@ class Cloud : public testing::Test {
  protected:
   Cloud()
       : skeleton_(*LoadSkeleton("smpl24")),
-        body_(CapsuleBody::Make(skeleton_, 1.0, 1.0)),
+        body_(CapsuleBody::Make(skeleton_, 1.0)),
         state_(*skeleton_, 3, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
     Random random(8, "cloud");
     for (int f = 0; f < 3; ++f) {

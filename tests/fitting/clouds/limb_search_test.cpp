@@ -75,7 +75,7 @@ TEST_P(FoldedArms, AreFoundByALimbSearch) {
   const Motion truth = Posed(skeleton, kArmsBeforeTheTrunk[static_cast<std::size_t>(GetParam())]);
   const FusedCloud cloud = CloudOfPose(truth, std::to_string(GetParam()));
   ASSERT_GT(cloud.size(), 0);
-  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0);
   PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   const auto hang = [&] {
     for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(0, j)).setZero();
@@ -100,7 +100,7 @@ TEST(LimbSearch, KeepsAPoseThatExplainsThePoints) {
   const Motion truth = Posed(skeleton, {{"left_shoulder", {0.0, 0.0, -1.2}}, {"right_shoulder", {0.0, 0.0, 1.2}}});
   const FusedCloud cloud = CloudOfPose(truth, "down");
   ASSERT_GT(cloud.size(), 0);
-  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(skeleton, 1.0);
   PoseState state(*skeleton, 1, skeleton->RestBoneLengths(), body.MovingJoints());
   for (int j = 0; j < state.joints(); ++j) {
     if (!state.active(j)) continue;

@@ -76,7 +76,7 @@ std::vector<double> LengthsAt(double scale, const Skeleton& skeleton) {
 TEST(FitShape, RecoversSizeAndShapeInApproximatelyKnownPoses) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const SkeletonPtr own = WithShape(skeleton, kShape);
-  const CapsuleBody body = CapsuleBody::Make(own, kScale, 1.0);
+  const CapsuleBody body = CapsuleBody::Make(own, kScale);
   std::vector<FusedCloud> clouds;
   ShapedPerson start;
   start.scale = 0.97 * kScale;

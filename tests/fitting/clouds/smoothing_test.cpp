@@ -18,7 +18,7 @@ class Chain : public testing::Test {
  protected:
   Chain()
       : skeleton_(*LoadSkeleton("smpl24")),
-        body_(CapsuleBody::Make(skeleton_, 1.0, 1.0)),
+        body_(CapsuleBody::Make(skeleton_, 1.0)),
         truth_(*skeleton_, kFrames, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
     Random random(11, "chain");
     options_.solver = TrackSolver::kBanded;

@@ -58,7 +58,7 @@ TEST(RenderedStills, FitOneByOneWithAnUnknownFacing) {
   options.solver = TrackSolver::kBanded;
   double sum = 0.0;
   int count = 0;
-  for (const char* name : {"female_squat", "child_arms_down"}) {
+  for (const char* name : {"female_squat", "male_walk_noisy"}) {
     const auto still = ReadStill(folder, name);
     ASSERT_TRUE(still) << still.error().Message();
     const auto bones = MeasureBodyInClouds({still->clip}, skeleton, options);

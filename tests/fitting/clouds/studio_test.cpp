@@ -394,7 +394,7 @@ TEST_F(StudioClouds, WithTracksRefuseCloudsWithoutAnyPoints) {
 TEST_F(StudioClouds, WithTracksEndJointsKeepTheRotationsOfTheTracks) {
   auto tracks = FitOfTracks(0);
   ASSERT_TRUE(tracks);
-  const std::vector<bool> moving = CapsuleBody::Make(tracks->motion.skeleton, 1.0, 1.0).MovingJoints();
+  const std::vector<bool> moving = CapsuleBody::Make(tracks->motion.skeleton, 1.0).MovingJoints();
   const auto end_joint = std::find(moving.begin(), moving.end(), false);
   ASSERT_NE(end_joint, moving.end());
   const auto end = static_cast<int>(end_joint - moving.begin());
