@@ -28,8 +28,8 @@ struct CapsuleBody {
 
   /// One capsule per bone with the radius of its end; of a skeleton with SMPL's joints (HasTemplateShape) the capsules
   /// of the CC0 body template that its rest pose is taken from, several per limb, with the person's Skeleton::shape.
-  /// Offsets and radii are scaled by `scale`, radii also by `radius_scale`.
-  static CapsuleBody Make(SkeletonPtr skeleton, double scale, double radius_scale);
+  /// Offsets and radii are scaled by `scale`.
+  static CapsuleBody Make(SkeletonPtr skeleton, double scale);
 
   /// (J) joints that rotate a capsule.
   std::vector<bool> MovingJoints() const;
