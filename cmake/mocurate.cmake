@@ -161,8 +161,9 @@ function(mocurate_test name)
     mocurate_add_test(test_${name} ${name} slow 100 ${arg_TIMEOUT} "*")
     return()
   endif()
-  # CTest starts costly tests first, so that the last one to end is a short one.
-  set(cost 100)
+  # CTest starts costly tests first, so that the last one to end is a short one. Those of a label cost as many sources.
+  set(cost 200)
+  list(LENGTH sources count)
   set(slow "")
   set(data "")
   mocurate_suites(suites ${sources})
@@ -180,10 +181,10 @@ function(mocurate_test name)
     foreach(suite ${data_suites})
       string(APPEND data "${suite}.*:*/${suite}.*:")
     endforeach()
-    mocurate_add_test(test_${name} ${name}.data data 50 ${arg_TIMEOUT} "${data}")
+    mocurate_add_test(test_${name} ${name}.data data ${count} ${arg_TIMEOUT} "${data}")
   endif()
   # Also the cases that mocurate_suites does not find, such as those of a macro.
-  mocurate_add_test(test_${name} ${name}.unit unit 60 ${arg_TIMEOUT} "*-${slow}${data}")
+  mocurate_add_test(test_${name} ${name}.unit unit ${count} ${arg_TIMEOUT} "*-${slow}${data}")
 endfunction()
 
 # The CTest test TEST: the cases of a filter, in one process of TARGET. It fails when one fails, and is reported as
