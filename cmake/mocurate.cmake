@@ -15,6 +15,9 @@ target_include_directories(mocurate_settings INTERFACE $<BUILD_INTERFACE:${PROJE
 # g++ 12 wrongly reports Eigen's fixed-size storage as uninitialised after inlining.
 target_compile_options(mocurate_settings INTERFACE -Wall -Wextra -Wshadow -Wno-psabi
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+# g++ collects garbage from 128 MB of its heap on, which takes a tenth of the compile time; from 600 MB on most sources
+# are done before. The objects are the same; the largest source, of 1.6 GB, takes 7 % more memory.
+target_compile_options(mocurate_settings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=600000>)
 if(MOCURATE_WARNINGS_AS_ERRORS)
   target_compile_options(mocurate_settings INTERFACE -Werror)
 endif()
