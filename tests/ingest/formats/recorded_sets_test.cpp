@@ -213,9 +213,8 @@ std::string DocumentOf(const std::vector<SetOutcome>& outcomes) {
       "Number of clips whose motion contradicts the true rate times a factor, as `rate_suspect` reports it. At factor "
       "1 "
       "there is none.\n"
-      "Walking and running reveal rates that are too low or too high. Other motions reveal only rates that are too "
-      "high, "
-      "because\npeople may move slowly.\n"
+      "Walking and running reveal rates that are too low or too high. Other motions reveal only rates that are "
+      "too\nhigh, because people may move slowly.\n"
       "For sets without a rate in their files, the true rate is the one that the authors publish.\n\n"
       "| sets | clips | 1/8 | 1/4 | 1/2 | 1 | 2 | 4 | 8 |\n|---|---|---|---|---|---|---|---|---|\n";
   const std::vector<std::pair<std::string, std::vector<std::string>>> rows = {
