@@ -83,9 +83,9 @@ Status CheckOwnOptions(const SourceOptions& s, const FormatDriver& driver) {
   const nlohmann::json said = OptionsToJson(s);
   static const nlohmann::json unset_options = OptionsToJson(SourceOptions());
   std::map<std::string, std::string> formats;  // of each option
-  for (const FormatDriver* format : FormatDrivers()) {
-    for (const std::string& option : format->options)
-      formats[option] += (formats[option].empty() ? "" : ", ") + std::string(format->name);
+  for (const FormatDriver& format : FormatDrivers()) {
+    for (const std::string& option : format.options)
+      formats[option] += (formats[option].empty() ? "" : ", ") + std::string(format.name);
   }
   for (const auto& [option, of] : formats) {
     if (driver.HasOption(option) || said.at(option) == unset_options.at(option)) continue;
@@ -148,8 +148,8 @@ Status CheckSource(const SourceOptions& s) {
   const FormatDriver& driver = DriverOf(s.format);
   if (driver.to_clip == nullptr) {
     std::string names;
-    for (const FormatDriver* known : FormatDrivers()) {
-      if (known->to_clip != nullptr) names += (names.empty() ? "" : ", ") + std::string(known->name);
+    for (const FormatDriver& known : FormatDrivers()) {
+      if (known.to_clip != nullptr) names += (names.empty() ? "" : ", ") + std::string(known.name);
     }
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare its format", OptionPlace("format"),
                 "one of " + names);

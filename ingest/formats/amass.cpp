@@ -259,25 +259,21 @@ Expected<RawFile> NpzIn(const FileBytes& file) {
 
 }  // namespace
 
-const FormatDriver& AmassFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "amass";
-    d.inspected = "amass";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.unit = UnitOf::kMetres;
-    d.states_rate = true;
-    d.lengths_assumed = true;
-    d.tree = "smpl24";
-    d.zeros = "; the file does not state where the body moves";
-    d.options = {"annotations", "annotation_roles"};
-    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
-    d.read_raw = NpzIn;
-    d.to_clip = ReadAmassClip;
-    return d;
-  }();
-  return driver;
+FormatDriver AmassFormat() {
+  FormatDriver d;
+  d.name = "amass";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.unit = UnitOf::kMetres;
+  d.states_rate = true;
+  d.lengths_assumed = true;
+  d.tree = "smpl24";
+  d.zeros = "; the file does not state where the body moves";
+  d.options = {"annotations", "annotation_roles"};
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
+  d.read_raw = NpzIn;
+  d.to_clip = ReadAmassClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -332,23 +332,20 @@ Expected<RawFile> AsfIn(const FileBytes& file) {
 
 }  // namespace
 
-const FormatDriver& AsfAmcFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "asf_amc";
-    d.inspected = "amc";
-    d.kind = FileKind::kAmc;
-    d.ending = ".amc";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.check = CheckSkeletonFiles;
-    d.options = {"skeleton_files"};
-    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
-    d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
-    d.to_clip = ReadAsfAmcClip;
-    return d;
-  }();
-  return driver;
+FormatDriver AsfAmcFormat() {
+  FormatDriver d;
+  d.name = "asf_amc";
+  d.inspected = "amc";
+  d.kind = FileKind::kAmc;
+  d.ending = ".amc";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.check = CheckSkeletonFiles;
+  d.options = {"skeleton_files"};
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
+  d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
+  d.to_clip = ReadAsfAmcClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -244,22 +244,18 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& BvhFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "bvh";
-    d.inspected = "bvh";
-    d.kind = FileKind::kBvh;
-    d.ending = ".bvh";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.states_rate = true;
-    d.options = {"max_slide"};
-    d.read_raw = BvhIn;
-    d.to_clip = ReadBvhClip;
-    return d;
-  }();
-  return driver;
+FormatDriver BvhFormat() {
+  FormatDriver d;
+  d.name = "bvh";
+  d.kind = FileKind::kBvh;
+  d.ending = ".bvh";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.states_rate = true;
+  d.options = {"max_slide"};
+  d.read_raw = BvhIn;
+  d.to_clip = ReadBvhClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -75,21 +75,17 @@ Expected<RawFile> CloudIn(const FileBytes& file) {
 
 }  // namespace
 
-const FormatDriver& CloudsFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "clouds";
-    d.inspected = "clouds";
-    d.kind = FileKind::kPly;
-    d.gives = EvidenceKind::kPointClouds;
-    d.grouped_by = {"frame"};
-    d.check = CheckGrouped;
-    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
-    d.read_raw = CloudIn;
-    d.to_clip = ReadCloudsClip;
-    return d;
-  }();
-  return driver;
+FormatDriver CloudsFormat() {
+  FormatDriver d;
+  d.name = "clouds";
+  d.kind = FileKind::kPly;
+  d.gives = EvidenceKind::kPointClouds;
+  d.grouped_by = {"frame"};
+  d.check = CheckGrouped;
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
+  d.read_raw = CloudIn;
+  d.to_clip = ReadCloudsClip;
+  return d;
 }
 
 }  // namespace mocurate

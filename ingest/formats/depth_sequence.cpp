@@ -169,28 +169,24 @@ Expected<RawFile> StillIn(const FileBytes& file) {
 
 }  // namespace
 
-const FormatDriver& DepthSequenceFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "depth_sequence";
-    d.inspected = "depth_sequence";
-    d.gives = EvidenceKind::kDepthViews;
-    d.unit = UnitOf::kCalibration;
-    d.states_rate = true;
-    d.has_truth = true;
-    d.check = CheckDepthFiles;
-    d.options = {"depth_files", "depth_unit"};
-    d.sniff = [](const FileBytes& file, FileKind kind) {
-      const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
-      return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
-    };
-    d.read_raw = [](const FileBytes& file) {
-      return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
-    };
-    d.to_clip = ReadDepthSequenceClip;
-    return d;
-  }();
-  return driver;
+FormatDriver DepthSequenceFormat() {
+  FormatDriver d;
+  d.name = "depth_sequence";
+  d.gives = EvidenceKind::kDepthViews;
+  d.unit = UnitOf::kCalibration;
+  d.states_rate = true;
+  d.has_truth = true;
+  d.check = CheckDepthFiles;
+  d.options = {"depth_files", "depth_unit"};
+  d.sniff = [](const FileBytes& file, FileKind kind) {
+    const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
+    return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
+  };
+  d.read_raw = [](const FileBytes& file) {
+    return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
+  };
+  d.to_clip = ReadDepthSequenceClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -68,20 +68,16 @@ Expected<IngestedClip> ReadDepthViewsClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& DepthViewsFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "depth_views";
-    d.inspected = "depth_views";
-    d.gives = EvidenceKind::kDepthViews;
-    d.unit = UnitOf::kCalibration;
-    d.grouped_by = {"camera"};
-    d.check = CheckGrouped;
-    d.options = {"calibration", "camera_pose", "cameras", "first_frame", "mask_files", "depth_unit"};
-    d.to_clip = ReadDepthViewsClip;
-    return d;
-  }();
-  return driver;
+FormatDriver DepthViewsFormat() {
+  FormatDriver d;
+  d.name = "depth_views";
+  d.gives = EvidenceKind::kDepthViews;
+  d.unit = UnitOf::kCalibration;
+  d.grouped_by = {"camera"};
+  d.check = CheckGrouped;
+  d.options = {"calibration", "camera_pose", "cameras", "first_frame", "mask_files", "depth_unit"};
+  d.to_clip = ReadDepthViewsClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,7 @@ struct ContainerEntry {
 /// against it. docs/adding_a_format.md.
 struct FormatDriver {
   const char* name = "none";           ///< its name in a configuration
-  const char* inspected = "unknown";   ///< name of its clips in an inspection
+  const char* inspected = "";          ///< name of its clips in an inspection; empty: the same
   FileKind kind = FileKind::kUnknown;  ///< of its files, where the first bytes identify them
   const char* ending = "";             ///< of its files, where it is specific enough: ".bvh", "pose.txt"
   EvidenceKind gives = EvidenceKind::kNothing;
@@ -65,11 +66,12 @@ struct FormatDriver {
                                                    const std::filesystem::path& folder) = nullptr;
 
   bool gathered() const { return !grouped_by.empty(); }
+  const char* clip_format() const { return *inspected == '\0' ? name : inspected; }
   bool HasOption(std::string_view option) const;
 };
 
 /// All formats; the first is `none`.
-const std::vector<const FormatDriver*>& FormatDrivers();
+const std::deque<FormatDriver>& FormatDrivers();
 
 /// The driver `none` for an unknown name.
 const FormatDriver& DriverOf(std::string_view name);

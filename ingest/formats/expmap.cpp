@@ -68,20 +68,17 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& ExpmapFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "expmap";
-    d.inspected = "expmap_table";
-    d.kind = FileKind::kNumbers;
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.needs_skeleton = true;
-    d.lengths_assumed = true;
-    d.to_clip = ReadExpmapClip;
-    return d;
-  }();
-  return driver;
+FormatDriver ExpmapFormat() {
+  FormatDriver d;
+  d.name = "expmap";
+  d.inspected = "expmap_table";
+  d.kind = FileKind::kNumbers;
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.needs_skeleton = true;
+  d.lengths_assumed = true;
+  d.to_clip = ReadExpmapClip;
+  return d;
 }
 
 }  // namespace mocurate

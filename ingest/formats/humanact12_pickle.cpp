@@ -125,24 +125,20 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& HumanAct12PickleFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "humanact12_pickle";
-    d.inspected = "humanact12_pickle";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.unit = UnitOf::kMetres;
-    d.needs_skeleton = true;
-    d.container = Container::kMust;
-    d.options = {"container"};
-    d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
-    d.read_raw = ReadRawPickle;
-    d.to_clip = ReadHumanAct12Clip;
-    d.entries = HumanAct12Entries;
-    return d;
-  }();
-  return driver;
+FormatDriver HumanAct12PickleFormat() {
+  FormatDriver d;
+  d.name = "humanact12_pickle";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.unit = UnitOf::kMetres;
+  d.needs_skeleton = true;
+  d.container = Container::kMust;
+  d.options = {"container"};
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
+  d.read_raw = ReadRawPickle;
+  d.to_clip = ReadHumanAct12Clip;
+  d.entries = HumanAct12Entries;
+  return d;
 }
 
 }  // namespace mocurate

@@ -232,22 +232,18 @@ bool HasTimes(const SourceOptions& s) {
   return layout && layout->has_time();
 }
 
-const FormatDriver& JointTableFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "joint_table";
-    d.inspected = "joint_table";
-    d.kind = FileKind::kNumbers;
-    d.gives = EvidenceKind::kJointTracks;
-    d.lists_joints = true;
-    d.zeros = "; if the tracker writes missing joints so, set ingest.source.missing: zero";
-    d.check = CheckTable;
-    d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
-    d.read_raw = ReadRawTable;
-    d.to_clip = ReadJointTableClip;
-    return d;
-  }();
-  return driver;
+FormatDriver JointTableFormat() {
+  FormatDriver d;
+  d.name = "joint_table";
+  d.kind = FileKind::kNumbers;
+  d.gives = EvidenceKind::kJointTracks;
+  d.lists_joints = true;
+  d.zeros = "; if the tracker writes missing joints so, set ingest.source.missing: zero";
+  d.check = CheckTable;
+  d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
+  d.read_raw = ReadRawTable;
+  d.to_clip = ReadJointTableClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -65,22 +65,18 @@ Expected<IngestedClip> ReadMotionsClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& MotionsFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "motions";
-    d.inspected = "motions";
-    d.gives = EvidenceKind::kMotion;
-    d.unit = UnitOf::kMetres;
-    d.states_rate = true;
-    d.container = Container::kMust;
-    d.stored = true;
-    d.options = {"container"};
-    d.to_clip = ReadMotionsClip;
-    d.entries = MotionsEntries;
-    return d;
-  }();
-  return driver;
+FormatDriver MotionsFormat() {
+  FormatDriver d;
+  d.name = "motions";
+  d.gives = EvidenceKind::kMotion;
+  d.unit = UnitOf::kMetres;
+  d.states_rate = true;
+  d.container = Container::kMust;
+  d.stored = true;
+  d.options = {"container"};
+  d.to_clip = ReadMotionsClip;
+  d.entries = MotionsEntries;
+  return d;
 }
 
 }  // namespace mocurate

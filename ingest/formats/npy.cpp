@@ -295,22 +295,18 @@ Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::str
   return clip;
 }
 
-const FormatDriver& NpyFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "npy";
-    d.inspected = "npy";
-    d.kind = FileKind::kNpy;
-    d.gives = EvidenceKind::kMotion;
-    d.needs_skeleton = true;
-    d.lists_joints = true;
-    d.holds_clips = true;
-    d.options = {"lie_bone_lengths"};
-    d.read_raw = NpyIn;
-    d.to_clip = ReadArraySource;
-    return d;
-  }();
-  return driver;
+FormatDriver NpyFormat() {
+  FormatDriver d;
+  d.name = "npy";
+  d.kind = FileKind::kNpy;
+  d.gives = EvidenceKind::kMotion;
+  d.needs_skeleton = true;
+  d.lists_joints = true;
+  d.holds_clips = true;
+  d.options = {"lie_bone_lengths"};
+  d.read_raw = NpyIn;
+  d.to_clip = ReadArraySource;
+  return d;
 }
 
 }  // namespace mocurate

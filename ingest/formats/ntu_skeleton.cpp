@@ -202,24 +202,20 @@ bool IsNtu(const FileBytes& file, FileKind kind) {
 
 }  // namespace
 
-const FormatDriver& NtuSkeletonFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "ntu_skeleton";
-    d.inspected = "ntu_skeleton";
-    d.kind = FileKind::kNtuSkeleton;
-    d.ending = ".skeleton";
-    d.gives = EvidenceKind::kJointTracks;
-    d.unit = UnitOf::kMetres;
-    d.zeros = "; set to missing";
-    d.check = CheckNtu;
-    d.options = {"bodies", "people", "views", "first_frame", "inferred_confidence", "depth_files", "depth_unit"};
-    d.sniff = IsNtu;
-    d.read_raw = NtuIn;
-    d.to_clip = ReadNtuSkeletonClip;
-    return d;
-  }();
-  return driver;
+FormatDriver NtuSkeletonFormat() {
+  FormatDriver d;
+  d.name = "ntu_skeleton";
+  d.kind = FileKind::kNtuSkeleton;
+  d.ending = ".skeleton";
+  d.gives = EvidenceKind::kJointTracks;
+  d.unit = UnitOf::kMetres;
+  d.zeros = "; set to missing";
+  d.check = CheckNtu;
+  d.options = {"bodies", "people", "views", "first_frame", "inferred_confidence", "depth_files", "depth_unit"};
+  d.sniff = IsNtu;
+  d.read_raw = NtuIn;
+  d.to_clip = ReadNtuSkeletonClip;
+  return d;
 }
 
 }  // namespace mocurate

@@ -241,21 +241,17 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& OpenPoseFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "openpose";
-    d.inspected = "openpose";
-    d.gives = EvidenceKind::kKeypoints;
-    d.unit = UnitOf::kCalibration;
-    d.grouped_by = {"camera", "frame"};
-    d.check = CheckGrouped;
-    d.options = {"calibration", "camera_pose", "cameras",     "first_frame",
-                 "keypoints",   "subjects",    "depth_files", "depth_unit"};
-    d.to_clip = ReadOpenPoseClip;
-    return d;
-  }();
-  return driver;
+FormatDriver OpenPoseFormat() {
+  FormatDriver d;
+  d.name = "openpose";
+  d.gives = EvidenceKind::kKeypoints;
+  d.unit = UnitOf::kCalibration;
+  d.grouped_by = {"camera", "frame"};
+  d.check = CheckGrouped;
+  d.options = {"calibration", "camera_pose", "cameras",     "first_frame",
+               "keypoints",   "subjects",    "depth_files", "depth_unit"};
+  d.to_clip = ReadOpenPoseClip;
+  return d;
 }
 
 }  // namespace mocurate

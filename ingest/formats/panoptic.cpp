@@ -102,20 +102,17 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& PanopticFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "panoptic";
-    d.inspected = "panoptic_bodies";
-    d.gives = EvidenceKind::kJointTracks;
-    d.unit = UnitOf::kCentimetres;
-    d.grouped_by = {"frame"};
-    d.check = CheckGrouped;
-    d.options = {"subjects"};
-    d.to_clip = ReadPanopticClip;
-    return d;
-  }();
-  return driver;
+FormatDriver PanopticFormat() {
+  FormatDriver d;
+  d.name = "panoptic";
+  d.inspected = "panoptic_bodies";
+  d.gives = EvidenceKind::kJointTracks;
+  d.unit = UnitOf::kCentimetres;
+  d.grouped_by = {"frame"};
+  d.check = CheckGrouped;
+  d.options = {"subjects"};
+  d.to_clip = ReadPanopticClip;
+  return d;
 }
 
 }  // namespace mocurate

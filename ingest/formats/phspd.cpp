@@ -157,21 +157,18 @@ bool IsOfPhspd(const FileBytes& file, FileKind kind) {
 
 }  // namespace
 
-const FormatDriver& PhspdFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "phspd";
-    d.inspected = "phspd_pose";
-    d.kind = FileKind::kNumbers;
-    d.ending = "pose.txt";
-    d.gives = EvidenceKind::kJointTracks;
-    d.unit = UnitOf::kMetres;
-    d.sniff = IsOfPhspd;
-    d.read_raw = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
-    d.to_clip = ReadPhspdClip;
-    return d;
-  }();
-  return driver;
+FormatDriver PhspdFormat() {
+  FormatDriver d;
+  d.name = "phspd";
+  d.inspected = "phspd_pose";
+  d.kind = FileKind::kNumbers;
+  d.ending = "pose.txt";
+  d.gives = EvidenceKind::kJointTracks;
+  d.unit = UnitOf::kMetres;
+  d.sniff = IsOfPhspd;
+  d.read_raw = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
+  d.to_clip = ReadPhspdClip;
+  return d;
 }
 
 }  // namespace mocurate

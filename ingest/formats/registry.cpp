@@ -8,69 +8,56 @@
 namespace mocurate {
 
 // One per format, each in the file of its name.
-const FormatDriver& JointTableFormat();
-const FormatDriver& BvhFormat();
-const FormatDriver& NpyFormat();
-const FormatDriver& DepthSequenceFormat();
-const FormatDriver& NtuSkeletonFormat();
-const FormatDriver& AsfAmcFormat();
-const FormatDriver& AmassFormat();
-const FormatDriver& ExpmapFormat();
-const FormatDriver& PhspdFormat();
-const FormatDriver& VibeTracksFormat();
-const FormatDriver& UestcFormat();
-const FormatDriver& HumanAct12PickleFormat();
-const FormatDriver& MotionsFormat();
-const FormatDriver& OpenPoseFormat();
-const FormatDriver& DepthViewsFormat();
-const FormatDriver& PanopticFormat();
-const FormatDriver& CloudsFormat();
+FormatDriver JointTableFormat();
+FormatDriver BvhFormat();
+FormatDriver NpyFormat();
+FormatDriver DepthSequenceFormat();
+FormatDriver NtuSkeletonFormat();
+FormatDriver AsfAmcFormat();
+FormatDriver AmassFormat();
+FormatDriver ExpmapFormat();
+FormatDriver PhspdFormat();
+FormatDriver VibeTracksFormat();
+FormatDriver UestcFormat();
+FormatDriver HumanAct12PickleFormat();
+FormatDriver MotionsFormat();
+FormatDriver OpenPoseFormat();
+FormatDriver DepthViewsFormat();
+FormatDriver PanopticFormat();
+FormatDriver CloudsFormat();
 
 namespace {
 
-std::vector<const FormatDriver*>& AllFormats() {
-  static const FormatDriver none;
-  static std::vector<const FormatDriver*> drivers = {&none,
-                                                     &JointTableFormat(),
-                                                     &BvhFormat(),
-                                                     &NpyFormat(),
-                                                     &DepthSequenceFormat(),
-                                                     &NtuSkeletonFormat(),
-                                                     &AsfAmcFormat(),
-                                                     &AmassFormat(),
-                                                     &ExpmapFormat(),
-                                                     &PhspdFormat(),
-                                                     &VibeTracksFormat(),
-                                                     &UestcFormat(),
-                                                     &HumanAct12PickleFormat(),
-                                                     &MotionsFormat(),
-                                                     &OpenPoseFormat(),
-                                                     &DepthViewsFormat(),
-                                                     &PanopticFormat(),
-                                                     &CloudsFormat()};
+std::deque<FormatDriver>& AllFormats() {
+  static std::deque<FormatDriver> drivers = {
+      FormatDriver(),           JointTableFormat(),  BvhFormat(),        NpyFormat(),
+      DepthSequenceFormat(),    NtuSkeletonFormat(), AsfAmcFormat(),     AmassFormat(),
+      ExpmapFormat(),           PhspdFormat(),       VibeTracksFormat(), UestcFormat(),
+      HumanAct12PickleFormat(), MotionsFormat(),     OpenPoseFormat(),   DepthViewsFormat(),
+      PanopticFormat(),         CloudsFormat()};
   return drivers;
 }
 
 }  // namespace
 
-const std::vector<const FormatDriver*>& FormatDrivers() { return AllFormats(); }
+const std::deque<FormatDriver>& FormatDrivers() { return AllFormats(); }
 
 const FormatDriver& DriverOf(std::string_view name) {
   const auto& all = FormatDrivers();
-  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver* d) { return d->name == name; });
-  return own == all.end() ? *all.front() : **own;
+  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver& d) { return d.name == name; });
+  return own == all.end() ? all.front() : *own;
 }
 
 const FormatDriver* RecogniseFormat(const FileBytes& file) {
   const auto& all = FormatDrivers();
   const FileKind kind = KindOf(file.bytes);
   // Formats that a program adds come last in the list and are asked first.
-  const auto sniffs = [&](const FormatDriver* d) { return d->sniff != nullptr && d->sniff(file, kind); };
+  const auto sniffs = [&](const FormatDriver& d) { return d.sniff != nullptr && d.sniff(file, kind); };
   const auto sniffed = std::find_if(all.rbegin(), all.rend(), sniffs);
-  if (sniffed != all.rend()) return *sniffed;
-  const auto of_kind = [&](const FormatDriver* d) { return d->sniff == nullptr && d->kind == kind; };
+  if (sniffed != all.rend()) return &*sniffed;
+  const auto of_kind = [&](const FormatDriver& d) { return d.sniff == nullptr && d.kind == kind; };
   const auto own = kind == FileKind::kUnknown ? all.end() : std::find_if(all.begin(), all.end(), of_kind);
-  return own == all.end() ? nullptr : *own;
+  return own == all.end() ? nullptr : &*own;
 }
 
 void AddFormat(const FormatDriver& driver) {
@@ -81,7 +68,7 @@ void AddFormat(const FormatDriver& driver) {
   for (const std::string& option : driver.options) {
     if (!options.contains(option)) throw std::logic_error("ingest.source has no option '" + option + "'");
   }
-  AllFormats().push_back(&driver);
+  AllFormats().push_back(driver);
   AddSourceFormat(name);
 }
 

@@ -383,42 +383,35 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
 
 }  // namespace
 
-const FormatDriver& VibeTracksFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "vibe_tracks";
-    d.inspected = "vibe_tracks";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.unit = UnitOf::kMetres;
-    d.needs_skeleton = true;
-    d.options = {"track", "root_translation", "people"};
-    d.check = CheckStart;
-    d.to_clip = ReadVibeTrackClip;
-    return d;
-  }();
-  return driver;
+FormatDriver VibeTracksFormat() {
+  FormatDriver d;
+  d.name = "vibe_tracks";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.unit = UnitOf::kMetres;
+  d.needs_skeleton = true;
+  d.options = {"track", "root_translation", "people"};
+  d.check = CheckStart;
+  d.to_clip = ReadVibeTrackClip;
+  return d;
 }
 
-const FormatDriver& UestcFormat() {
-  static const FormatDriver driver = [] {
-    FormatDriver d;
-    d.name = "uestc";
-    d.inspected = "vibe_cache";
-    d.gives = EvidenceKind::kMotion;
-    d.rotations = true;
-    d.unit = UnitOf::kMetres;
-    d.needs_skeleton = true;
-    d.container = Container::kMay;
-    d.options = {"container", "root_translation", "people"};
-    d.check = CheckStart;
-    d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
-    d.read_raw = ReadRawUestcInfo;
-    d.to_clip = ReadUestcClip;
-    d.entries = UestcEntries;
-    return d;
-  }();
-  return driver;
+FormatDriver UestcFormat() {
+  FormatDriver d;
+  d.name = "uestc";
+  d.inspected = "vibe_cache";
+  d.gives = EvidenceKind::kMotion;
+  d.rotations = true;
+  d.unit = UnitOf::kMetres;
+  d.needs_skeleton = true;
+  d.container = Container::kMay;
+  d.options = {"container", "root_translation", "people"};
+  d.check = CheckStart;
+  d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
+  d.read_raw = ReadRawUestcInfo;
+  d.to_clip = ReadUestcClip;
+  d.entries = UestcEntries;
+  return d;
 }
 
 }  // namespace mocurate

@@ -184,7 +184,7 @@ void Inspector::AddItem(const ItemSpec& item) {
   if (read->outcome.kind == OutcomeKind::kRefused && read->outcome.findings.empty()) refuse(read->outcome.error);
   if (!kept) return;
   RawClip clip = ReadRawClip(*source_, read->clip);
-  clip.format = DriverOf(source_->format).inspected;
+  clip.format = DriverOf(source_->format).clip_format();
   const std::string file = Below(item.inputs.front().name);
   clip.id = where.size() > file.size() ? where.substr(file.size()) : "";
   InspectedClip report =

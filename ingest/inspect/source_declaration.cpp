@@ -31,8 +31,8 @@ constexpr std::size_t kMostFindings = 10;
 std::string DeclaredFormat(const std::string& inspected) {
   if (inspected == "npz") return "npy";
   if (inspected == "depth_still") return "depth_sequence";
-  for (const FormatDriver* driver : FormatDrivers()) {
-    if (driver->inspected == inspected && driver->to_clip != nullptr) return driver->name;
+  for (const FormatDriver& driver : FormatDrivers()) {
+    if (driver.clip_format() == inspected && driver.to_clip != nullptr) return driver.name;
   }
   return "";
 }
