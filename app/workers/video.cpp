@@ -24,15 +24,14 @@ int main(int argc, char** argv) {
     return RunWorker(
         {{ClipVideoDeclaration().name, ClipVideoStage}, {MotionVideoDeclaration().name, MotionVideoStage}});
   for (int i = 1; i < argc; ++i) {
-    const auto video = VideoReader::Open(argv[i]);
+    const Expected<VideoFacts> video = ReadVideoFacts(argv[i]);
     nlohmann::json line;
     if (video) {
-      const VideoFacts& facts = video->facts();
-      line = {{"frames", facts.frames},
-              {"rate_hz", facts.rate_hz},
-              {"width", facts.width},
-              {"height", facts.height},
-              {"codec", facts.codec}};
+      line = {{"frames", video->frames},
+              {"rate_hz", video->rate_hz},
+              {"width", video->width},
+              {"height", video->height},
+              {"codec", video->codec}};
     } else {
       line = {{"error", video.error().what}, {"hint", video.error().hint}};
     }

@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "ingest/inspect/inspection.h"
-#include "ingest/inspect/video_facts.h"
 #include "ingest/options.h"
+#include "ingest/sources/video.h"
 
 namespace mocurate {
 

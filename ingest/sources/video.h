@@ -1,41 +1,21 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <vector>
+#include <string>
 
 #include "core/base/error.h"
-#include "ingest/inspect/video_facts.h"
 
 namespace mocurate {
 
-/// One frame, (height, width, 3), red green blue, 0 to 255.
-struct ColourFrame {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
+/// What the header of a video file says. `frames` is its own count: what can be decoded may be fewer.
+struct VideoFacts {
+  int frames = 0;  ///< 0: the file does not say
+  double rate_hz = 0.0;
+  int width = 0, height = 0;  ///< pixels
+  std::string codec;          ///< four characters, "MJPG"; empty where there are none
 };
 
-/// A video file, decoded by OpenCV. Frames are counted by decoding from 0, never by seeking, which in many containers
-/// ends at a key frame. Going forward decodes the frames between; going back starts again.
-class VideoReader {
- public:
-  /// Errors kNotFound; kMalformed for a file that is not a video or has no rate or size.
-  static Expected<VideoReader> Open(const std::filesystem::path& file);
-  VideoReader(VideoReader&&) noexcept;
-  VideoReader& operator=(VideoReader&&) noexcept;
-  ~VideoReader();
-
-  const VideoFacts& facts() const;
-  /// Error kNotFound where the file ends before it; the message holds the number of frames.
-  Expected<ColourFrame> Frame(int index);
-  /// The frame shown at this time: rate * seconds, rounded down.
-  Expected<ColourFrame> FrameAt(double seconds);
-
- private:
-  struct Decoder;
-  VideoReader();
-  std::unique_ptr<Decoder> decoder_;
-};
+/// By OpenCV. Errors kNotFound; kMalformed for a file that is not a video or has no rate or size.
+Expected<VideoFacts> ReadVideoFacts(const std::filesystem::path& file);
 
 }  // namespace mocurate
