@@ -6,12 +6,6 @@
 #include "core/base/text.h"
 
 namespace mocurate {
-namespace {
-
-constexpr std::size_t kMostClipsNamed = 5;
-
-}  // namespace
-
 std::string PlaceInFile(const ItemSpec& item) {
   if (item.options.contains("array")) return item.options.at("array").get<std::string>();
   if (item.options.contains("entry")) return "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
@@ -40,6 +34,7 @@ bool NamesClip(const std::string& wanted, const ItemSpec& item) {
 }
 
 Status TakeOnly(const std::vector<std::string>& only, Discovery& discovery) {
+  constexpr std::size_t kMostClipsNamed = 5;
   if (only.empty()) return {};
   for (const std::string& wanted : only) {
     const bool known = std::any_of(discovery.items.begin(), discovery.items.end(),
@@ -51,11 +46,10 @@ Status TakeOnly(const std::vector<std::string>& only, Discovery& discovery) {
       names.push_back(item.item);
       if (names.size() <= kMostClipsNamed) first += (first.empty() ? "" : ", ") + item.item;
     }
-    const auto near = Nearest(wanted, names);
     return Fail(ErrorCode::kUsage, "there is no clip '" + wanted + "'", "--clip",
-                near ? "did you mean '" + *near + "'?"
-                     : "it has " + Counted(names.size(), "clip") + ": " + first +
-                           (names.size() > kMostClipsNamed ? ", ..." : "") + "; `mocurate inspect` lists them");
+                DidYouMean(wanted, names,
+                           "it has " + Counted(names.size(), "clip") + ": " + first +
+                               (names.size() > kMostClipsNamed ? ", ..." : "") + "; `mocurate inspect` lists them"));
   }
   for (auto* items : {&discovery.items, &discovery.truth}) {
     items->erase(std::remove_if(items->begin(), items->end(),

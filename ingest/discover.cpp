@@ -5,7 +5,6 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "ingest/discover_container.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
@@ -17,6 +16,72 @@
 
 namespace mocurate {
 namespace {
+
+/// The clips of a file that holds them all: one item each, which says its place in the file; in the order of the file.
+/// Error kNotFound, and of the container.
+Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
+  const SourceOptions& source = options.source;
+  const FormatDriver& driver = DriverOf(source.format);
+  const std::filesystem::path path = options.path / source.container;
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "the file with all clips does not exist", DisplayPath(path),
+                "set ingest.path (--set ingest.path=DIR), or correct ingest.source.container");
+  }
+  const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);
+  if (!entries) return Forward(entries);
+  const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
+  if (!pattern) return Forward(pattern);
+  Discovery discovery;
+  std::set<std::string> recordings;
+  const ItemOptions stage_options = OptionsToJson(source);
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const ContainerEntry& entry = (*entries)[i];
+    const Expected<NamedFile> named = ReadName(source, entry.name);
+    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
+    const std::optional<Error> ambiguous = AmbiguousName(source, *pattern, entry.name);
+    if (!named || ambiguous) {
+      discovery.excluded.push_back(ambiguous ? RefusedFile(entry.name, kNameAmbiguous, *ambiguous)
+                                             : SkippedFile(entry.name, source, true, named.error()));
+      continue;
+    }
+    recordings.insert(named->identity.recording);
+    if (!entry.excluded.empty()) {
+      discovery.excluded.push_back(
+          ExcludedFile(named->item(), entry.name, "excluded", entry.excluded, "as the set's papers do"));
+      continue;
+    }
+    if (const auto excluded = source.exclude.find(named->identity.recording); excluded != source.exclude.end()) {
+      discovery.excluded.push_back(
+          ExcludedFile(named->item(), entry.name, "excluded", excluded->second, "ingest.source.exclude names it"));
+      continue;
+    }
+    // Clips of a dataset keep their ids: several may be spans of one recording.
+    const std::string name = driver.stored ? entry.name : named->item();
+    ItemSpec item{name, stage_options, {{"source", source.container, path, ""}}};
+    item.options.Set("entry", i);
+    item.options.Set("entry_name", entry.name);
+    if (entry.frames > 0) item.options.Set("most_frames", entry.frames);
+    if (!entry.label.empty()) {
+      const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
+      if (!label) {
+        discovery.excluded.push_back(SkippedFile(entry.name, source, true, label.error()));
+        continue;
+      }
+      item.options.Set("label_override", *label);
+    }
+    discovery.persons.insert(named->identity.person);
+    discovery.performers.insert(named->performer);
+    if (!driver.stored) discovery.styles.insert(named->style);  // a stored clip has its own
+    discovery.items.push_back(std::move(item));
+  }
+  if (discovery.items.empty()) {
+    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
+                DisplayPath(path), "correct ingest.source.files");
+  }
+  NoteUnmatched(source, recordings, discovery.findings);
+  return discovery;
+}
 
 /// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
 /// default texts of a declaration may become empty.
@@ -58,26 +123,8 @@ Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& 
               "put it there, or correct ingest.source.skeleton_files");
 }
 
-/// Rows "motion<tab>text" of a table that has tabs, as CMU's index of its motions; lines without one are headings.
-/// Error kMalformed "name:line".
-Expected<std::map<std::string, std::string>> ReadTabbedLabels(std::string_view bytes, const std::string& name) {
-  std::map<std::string, std::string> table;
-  const std::vector<std::string_view> lines = SplitText(bytes, '\n');
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    std::vector<std::string_view> cells;
-    for (const std::string_view cell : SplitText(lines[i], '\t')) {
-      if (!Trim(cell).empty()) cells.push_back(Trim(cell));
-    }
-    if (cells.size() < 2) continue;
-    if (!table.emplace(cells[0], cells[1]).second) {
-      return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' occurs twice",
-                  name + ":" + std::to_string(i + 1), "a motion has one label");
-    }
-  }
-  return table;
-}
-
-/// ingest.source.label_table: motion -> label text. Error kMalformed "name:line".
+/// ingest.source.label_table: motion -> label text. A header and lines "motion,label", or, as in CMU's index of its
+/// motions, rows "motion<tab>text", where lines without a tab are headings. Error kMalformed "name:line".
 Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions& options) {
   std::map<std::string, std::string> table;
   const std::string& name = options.source.label_table;
@@ -88,17 +135,20 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
                 "put it there, or correct ingest.source.label_table");
   }
   const bool headed = bytes->substr(0, bytes->find('\n')).find(',') != std::string::npos;
-  if (!headed && bytes->find('\t') != std::string::npos) return ReadTabbedLabels(*bytes, name);
+  const bool tabbed = !headed && bytes->find('\t') != std::string::npos;
   const std::vector<std::string_view> lines = SplitText(*bytes, '\n');
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    const std::vector<std::string_view> cells = SplitText(Trim(lines[i]), ',');
-    if (cells.size() == 1 && cells[0].empty()) continue;
+  for (std::size_t i = tabbed ? 0 : 1; i < lines.size(); ++i) {
+    std::vector<std::string_view> cells;
+    for (const std::string_view cell : SplitText(Trim(lines[i]), tabbed ? '\t' : ',')) {
+      if (!tabbed || !Trim(cell).empty()) cells.push_back(Trim(cell));
+    }
+    if (tabbed ? cells.size() < 2 : cells.size() == 1 && cells[0].empty()) continue;
     const std::string where = name + ":" + std::to_string(i + 1);
-    if (cells.size() != 2) {
+    if (!tabbed && cells.size() != 2) {
       return Fail(ErrorCode::kMalformed, "a line has " + std::to_string(cells.size()) + " cells", where,
                   "each is 'motion,label'");
     }
-    if (!table.emplace(Trim(cells[0]), Trim(cells[1])).second) {
+    if (!table.emplace(cells[0], cells[1]).second) {
       return Fail(ErrorCode::kMalformed, "the motion '" + std::string(cells[0]) + "' occurs twice", where,
                   "a motion has one label");
     }

@@ -5,7 +5,6 @@
 #include "core/quality/duplicates.h"
 #include "core/store/store.h"
 #include "ingest/checks/clip_checks.h"
-#include "ingest/checks/duplicate_findings.h"
 #include "ingest/stages.h"
 
 namespace mocurate {

@@ -6,12 +6,11 @@
 #include "core/base/text.h"
 #include "core/store/store.h"
 #include "ingest/checks/clip_checks.h"
-#include "ingest/checks/fault_codes.h"
 #include "ingest/formats/driver.h"
-#include "ingest/gap_rule.h"
 #include "ingest/inspect/comparison.h"
 #include "ingest/read_motions.h"
 #include "ingest/sources/array_clips.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
 

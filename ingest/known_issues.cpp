@@ -32,11 +32,9 @@ Expected<ConfigNode> ReadIssues(const std::string& name) {
   if (const auto text = FindResource(resource)) return LoadData(ConfigSource{std::string(*text), resource, {}});
   std::error_code ignored;
   if (std::filesystem::is_regular_file(name, ignored)) return LoadData(std::filesystem::path(name));
-  std::string known;
-  for (const std::string& list : BuiltInLists()) known += (known.empty() ? "" : ", ") + list;
-  const auto nearest = Nearest(name, BuiltInLists());
   return Fail(ErrorCode::kNotFound, "there is no list '" + name + "' of known issues, neither built in nor as a file",
-              "ingest.source.known_issue_lists", nearest ? "did you mean '" + *nearest + "'?" : "built in: " + known);
+              "ingest.source.known_issue_lists",
+              DidYouMean(name, BuiltInLists(), "built in: " + JoinTexts(BuiltInLists())));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ namespace mocurate {
 
 namespace {
 
+/// Names that `format` may have, "none" first.
 std::vector<std::string>& FormatNames() {
   static std::vector<std::string> names = {
       "none",     "joint_table", "bvh",      "npy",         "depth_sequence", "ntu_skeleton",      "asf_amc",
@@ -17,8 +18,6 @@ std::vector<std::string>& FormatNames() {
 
 }  // namespace
 
-const std::vector<std::string>& SourceFormats() { return FormatNames(); }
-
 void AddSourceFormat(const std::string& name) { FormatNames().push_back(name); }
 
 void LabelRule::Declare(OptionVisitor& v) {
@@ -28,7 +27,7 @@ void LabelRule::Declare(OptionVisitor& v) {
 
 void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "short name of the source; first part of every clip id");
-  v.OneOf("format", format, SourceFormats(), "what the files are");
+  v.OneOf("format", format, FormatNames(), "what the files are");
   v.Text("files", files,
          "pattern of the file names with {fields}; {field:4} is four characters wide, {field?/} a folder that may be "
          "missing; openpose, depth_views, panoptic, clouds: "

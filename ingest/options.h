@@ -10,12 +10,10 @@
 #include "core/base/options.h"
 #include "core/formats/file_rules.h"
 #include "core/quality/padding_action.h"
-#include "ingest/checks/check_options.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/synthetic/studio_options.h"
 
 namespace mocurate {
-
-struct JointLayout;
 
 /// What the rotation and the translation of a calibration mean, where its format does not declare it.
 enum class CameraPose { kMeasured, kWorldToCamera, kCentre, kCameraToWorld };
@@ -96,7 +94,7 @@ struct SourceOptions {
   std::optional<double> rate_hz;
   std::string skeleton;
   std::vector<std::string> joints;                  ///< names in the order of the file; "-" is passed over
-  std::int64_t rows_per_frame = 0;                  ///< joint_table; see RowsPerFrame
+  std::int64_t rows_per_frame = 0;                  ///< joint_table; 0: one row a joint, with `layout` one a frame
   std::vector<std::string> columns{"x", "y", "z"};  ///< joint_table, per joint: x y z confidence frame time_ms skip
   std::string layout;    ///< joint_table, instead of `columns`: all numbers of a frame, as ParseJointLayout reads them
   std::string end_word;  ///< joint_table: line that closes the table, where there is one
@@ -187,8 +185,7 @@ struct MotionsOptions {
 /// Whether clips of the source have keypoints and depth views beside them.
 bool HasDepthBeside(const SourceOptions& source);
 
-/// Names that `format` may have, "none" first.
-const std::vector<std::string>& SourceFormats();
+/// Adds a name that `format` may have.
 void AddSourceFormat(const std::string& name);
 
 /// Rules that go beyond single values: what the format needs and does not say itself. Error kConfig naming the option.
@@ -200,14 +197,8 @@ Status CheckBodies(const SourceOptions& source);
 /// Text that stands where a value has to be written: "FILL_IN: why it is not known". Refused by CheckSource.
 inline constexpr const char* kFillIn = "FILL_IN";
 
-/// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
-Expected<JointLayout> TableLayout(const SourceOptions& source);
-
 /// Whether a joint table has a column of times, which states the rate. False for a broken layout.
 bool HasTimes(const SourceOptions& source);
-
-/// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
-int RowsPerFrame(const SourceOptions& source);
 
 /// People in a file whose label text, before renaming, is `label`; `subjects` where `bodies` says nothing.
 int BodiesOf(const SourceOptions& source, const std::string& label);

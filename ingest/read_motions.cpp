@@ -17,6 +17,7 @@
 #include "core/quality/padding.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
+#include "ingest/sources/pattern.h"
 
 namespace mocurate {
 namespace {
@@ -60,16 +61,6 @@ void ShareSkeleton(const Dataset& set, Motion& motion) {
   const bool shared = motion.joints_only() || SameRestOffsets(*motion.skeleton, *set.skeleton);
   motion.skeleton = shared ? set.skeleton : WithRestOffsetsOf(*set.skeleton, *motion.skeleton);
   motion.rotation_reference = shared ? nullptr : set.skeleton;
-}
-
-/// Letters and digits in lower case: what a class and a file name are compared by.
-std::string PlainText(const std::string& text) {
-  std::string plain;
-  for (const char c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
-      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return plain;
 }
 
 /// Whether a name begins with the class and no further letter: "walk_03", "Walk 3", "walk3", not "walker".
@@ -170,8 +161,8 @@ class LabelAssignment {
     std::string best;
     for (const std::string& text : {path.parent_path().filename().string(), path.stem().string()}) {
       for (const std::string& listed : classes_) {
-        const std::string plain = PlainText(listed);
-        if (plain.size() > PlainText(best).size() && BeginsWithClass(text, plain)) best = listed;
+        const std::string plain = LettersAndDigits(listed);
+        if (plain.size() > LettersAndDigits(best).size() && BeginsWithClass(text, plain)) best = listed;
       }
     }
     return best;

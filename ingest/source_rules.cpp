@@ -128,9 +128,8 @@ Expected<double> MetresPerUnit(const std::string& units) {
     names.emplace_back(known.spelling);
     if (is_length && words.back() == known.spelling) return *factor * (known.numerator / known.denominator);
   }
-  const std::optional<std::string> near = Nearest(units, names);
   return Fail(ErrorCode::kConfig, "'" + units + "' is no unit of length", OptionPlace("units"),
-              near ? "did you mean '" + *near + "'?" : "write m, cm, mm, inch, or a length such as '0.05 m'");
+              DidYouMean(units, names, "write m, cm, mm, inch, or a length such as '0.05 m'"));
 }
 
 int BodiesOf(const SourceOptions& s, const std::string& label) {
@@ -147,12 +146,12 @@ Status CheckSource(const SourceOptions& s) {
   }
   const FormatDriver& driver = DriverOf(s.format);
   if (driver.to_clip == nullptr) {
-    std::string names;
+    std::vector<std::string> names;
     for (const FormatDriver& known : FormatDrivers()) {
-      if (known.to_clip != nullptr) names += (names.empty() ? "" : ", ") + std::string(known.name);
+      if (known.to_clip != nullptr) names.emplace_back(known.name);
     }
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare its format", OptionPlace("format"),
-                "one of " + names);
+                "one of " + JoinTexts(names));
   }
   if (s.files.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' has no pattern of file names", OptionPlace("files"),
@@ -182,7 +181,7 @@ Status CheckSource(const SourceOptions& s) {
     return Fail(ErrorCode::kConfig, "it is not read of clips in one file", OptionPlace(option),
                 "remove it; `exclude` and `labels` exclude clips by name");
   }
-  if (driver.container == Container::kMust && s.container.empty()) {
+  if (driver.needs_container && s.container.empty()) {
     return Fail(ErrorCode::kConfig, "source '" + s.name + "' does not declare which file holds its clips",
                 OptionPlace("container"), "e.g. 'humanact12poses.pkl'");
   }

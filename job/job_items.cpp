@@ -10,7 +10,7 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/store/store.h"
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
 #include "job/main_job.h"

@@ -4,8 +4,10 @@
 
 #include "core/base/text.h"
 #include "core/quality/checks.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
-#include "ingest/inspect/tree_points.h"
+#include "ingest/inspect/inspection.h"
+#include "ingest/inspect/raw_clip.h"
 
 namespace mocurate {
 namespace {
@@ -49,10 +51,9 @@ void CheckMotionless(const CheckOptions& options, int frames, std::vector<Findin
         (span.code == "zero_frames" || span.code == "collapsed_frames" || span.code == "frozen_frames"))
       span.severity = Severity::kInfo;
   }
-  Finding finding = FrameFinding("motionless_clip", 0, 0, "", share,
-                                 what + " in " + Digits(100.0 * share) + " % of " + std::to_string(frames) + " frames");
-  finding.severity = Severity::kError;
-  findings.push_back(std::move(finding));
+  findings.push_back(
+      MakeFinding("motionless_clip", Severity::kError, share,
+                  what + " in " + Digits(100.0 * share) + " % of " + std::to_string(frames) + " frames"));
 }
 
 /// By `frames_in_name`, both ends included; may be less than 1.
@@ -66,6 +67,8 @@ std::optional<long long> DeclaredFrames(const SourceOptions& source, const Named
   return *last - *first + 1;
 }
 
+std::string SpanText(int begin, int end) { return std::to_string(begin) + "-" + std::to_string(end); }
+
 }  // namespace
 
 std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoints& points,
@@ -76,9 +79,7 @@ std::vector<Finding> FindDefects(const CheckOptions& options, const TrackedPoint
   std::vector<Finding> findings = CheckPoints(points, rate_hz.value_or(0.0), limits);
   CheckMotionless(options, points.frames(), findings);
   if (points.frames() == 1) {
-    Finding finding = FrameFinding("single_frame", 0, 0, "", 1.0, "the clip holds 1 frame: a pose, no motion");
-    finding.severity = Severity::kInfo;
-    findings.push_back(std::move(finding));
+    findings.push_back(MakeFinding("single_frame", Severity::kInfo, 1.0, "the clip holds 1 frame: a pose, no motion"));
   }
   return findings;
 }
@@ -112,17 +113,12 @@ std::vector<Finding> FindNeverObserved(const TrackedPoints& points, const std::v
   for (int k = 0; k < points.count(); ++k) {
     if (seen[static_cast<std::size_t>(k)] == 0) names += (names.empty() ? "'" : ", '") + points.name(k) + "'";
   }
-  Finding finding = FrameFinding("joint_never_seen", 0, 0, "", static_cast<double>(never),
-                                 Counted(never, "joint") + " seen in none of " + Counted(points.frames(), "frame") +
-                                     ", while others are: " + names);
-  finding.severity = Severity::kInfo;
-  return {std::move(finding)};
+  return {MakeFinding("joint_never_seen", Severity::kInfo, static_cast<double>(never),
+                      Counted(never, "joint") + " seen in none of " + Counted(points.frames(), "frame") +
+                          ", while others are: " + names)};
 }
 
-bool InvalidatesPoses(const std::vector<Finding>& findings) {
-  return std::any_of(findings.begin(), findings.end(),
-                     [](const Finding& finding) { return finding.code == "angle_unit_contradiction"; });
-}
+bool InvalidatesPoses(const std::vector<Finding>& findings) { return HasFinding(findings, "angle_unit_contradiction"); }
 
 namespace {
 
@@ -253,6 +249,50 @@ std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFil
     ingested.findings.push_back(finding);
   }
   return dropped;
+}
+
+DuplicateLimits DuplicateLimitsOf(const CheckOptions& options) {
+  return {options.Limit("duplicate", "distance"), static_cast<int>(options.Limit("shared_frames", "frames"))};
+}
+
+Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, const MotionSignature& first,
+                         const MotionSignature& second) {
+  const int frames = static_cast<int>(second.poses.size());
+  const bool equal = pair.shared > 0 && pair.shared == frames && first.poses.size() == second.poses.size();
+  if (!pair.whole) {
+    return FrameFinding("shared_frames", pair.second_begin, pair.second_end, "", pair.shared,
+                        std::to_string(pair.shared) + " of " + std::to_string(frames) + " frames are those of '" +
+                            first_name + "' (" + SpanText(pair.second_begin, pair.second_end) + " here, " +
+                            SpanText(pair.frame_begin, pair.frame_end) + " there)");
+  }
+  if (pair.mirrored) {
+    return FrameFinding("mirrored_duplicate", 0, 0, "", pair.distance,
+                        "the mirror image of '" + first_name + "' (" + Digits(pair.distance) + " m apart)");
+  }
+  if (equal) {
+    return FrameFinding("duplicate", 0, 0, "", 0.0, "the same, frame for frame, as '" + first_name + "' (0 m apart)");
+  }
+  return FrameFinding("near_duplicate", 0, 0, "", pair.distance,
+                      "the same motion as '" + first_name + "' (" + Digits(pair.distance) + " m apart)");
+}
+
+std::string FaultCode(const Error& error, std::string_view format) {
+  if (error.reason == Reason::kCount) return "count_contradiction";
+  if (error.code == ErrorCode::kNotFound || error.code == ErrorCode::kUnreadable) return "unreadable";
+  if (error.reason == Reason::kUnsafePickle) return "unsafe_pickle";
+  if (error.code == ErrorCode::kUnsupported) return "no_motion";
+  if (error.code != ErrorCode::kMalformed && error.code != ErrorCode::kInconsistent) {
+    return std::string(Name(error.code));
+  }
+  if (error.reason == Reason::kEmptyFile) return "empty_file";
+  if (error.reason == Reason::kNoValidSamples) return "no_joint_seen";
+  if (error.reason == Reason::kPersonMissing) return "people_missing";
+  if (error.reason == Reason::kOtherTree) return "joints_contradiction";
+  if (error.reason == Reason::kOtherLayout) return "layout_contradiction";
+  if (error.reason == Reason::kOtherRate) return "rate_contradiction";
+  if (error.reason == Reason::kViewNumbering) return "view_numbering";
+  const bool layout = format == "joint_table" || format == "npy";
+  return error.code == ErrorCode::kInconsistent && layout ? "layout_contradiction" : "malformed";
 }
 
 }  // namespace mocurate

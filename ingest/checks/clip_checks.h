@@ -1,8 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <string_view>
 
+#include "core/base/finding.h"
+#include "core/quality/duplicates.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -57,5 +62,17 @@ inline constexpr int kLostWithoutRate = 15;
 /// Samples that are to be missing lose their confidence. Returns the first finding that drops the clip. Where the body
 /// contradicts its declared units or axes, "motionless_clip" drops none.
 std::optional<DroppedClip> CheckClip(const SourceOptions& source, const NamedFile& named, IngestedClip& ingested);
+
+DuplicateLimits DuplicateLimitsOf(const CheckOptions& options);
+
+/// The finding of a pair of equal clips, about the second: "duplicate", "near_duplicate",
+/// "mirrored_duplicate" or "shared_frames", the same for what is inspected and what is ingested. `first_name` names the
+/// other one. The clip is left to the caller.
+Finding DuplicateFinding(const Duplicate& pair, const std::string& first_name, const MotionSignature& first,
+                         const MotionSignature& second);
+
+/// The code of what is wrong with a file that gives no clip, the same in an inspection and as the rule of a run's log.
+/// `format` as a source names it ("joint_table"); empty or another: nothing more is known than the error says.
+std::string FaultCode(const Error& error, std::string_view format);
 
 }  // namespace mocurate

@@ -6,6 +6,7 @@
 
 #include "core/base/finding.h"
 #include "core/formats/openpose.h"
+#include "ingest/inspect/measure.h"
 
 namespace mocurate {
 
@@ -28,5 +29,36 @@ std::optional<Finding> ExcludeFarKeypoints(const std::vector<std::string>& names
 /// above.
 std::optional<Finding> ExcludeImplausibleConfidences(const std::vector<std::string>& names,
                                                      std::vector<ImagePoses>& frames);
+
+/// How well one layout explains detected people.
+struct KeypointLayoutScore {
+  std::string layout;
+  /// Median over people of the mean distance of log bone lengths, over the common scale, from those of an adult; 0 is a
+  /// body flat in the image. Foreshortening gives 0.1 to 0.4, a wrong order 0.6 and more.
+  double mismatch = 0.0;
+  int people = 0;  ///< detections with enough bones to tell
+};
+
+/// All layouts with as many points as the people have, best first.
+std::vector<KeypointLayoutScore> ScoreKeypointLayouts(const std::vector<OpenPosePerson>& people);
+
+/// The layout of a detector's people: of many frames and views, as files do not declare it. Value "BODY_25B"; empty
+/// where no layout of this many points fits, where two fit alike, or where no person shows enough bones.
+Measured EstimateKeypointLayout(const std::vector<OpenPosePerson>& people);
+
+/// Points of several files that are taken as not seen.
+class PointsNotSeen {
+ public:
+  void Add(const OpenPoseFrame& frame, const std::string& file);
+  /// "uncertain_points" (coordinates, and the confidence 0) and "keypoints_not_finite" (NaN, Infinity or null).
+  std::vector<Finding> Findings() const;
+
+ private:
+  struct OfFiles {
+    long long points = 0;
+    std::string first_file;  ///< that has such
+  };
+  OfFiles unsure_, not_finite_;
+};
 
 }  // namespace mocurate

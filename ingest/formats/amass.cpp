@@ -1,15 +1,22 @@
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
+#include "core/base/finding.h"
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/angle_checks.h"
-#include "ingest/checks/pose_checks.h"
-#include "ingest/checks/rate_checks.h"
+#include "core/motion/motion.h"
+#include "core/quality/tracked_points.h"
+#include "ingest/checks/clip_checks.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/inspect/raw_clip.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/babel_segments.h"
 #include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
@@ -17,9 +24,120 @@
 namespace mocurate {
 namespace {
 
-/// Findings about the numbers of a file; the first one may be that its angles are not in radians.
+constexpr std::size_t kFewestFrames = 5;
+constexpr std::size_t kMostSpans = 20;
+constexpr std::size_t kFirstColumn = 3, kColumnsOfBody = 66;  // root, 21 joints of the body
+
+class FrozenPoses {
+ public:
+  explicit FrozenPoses(const Amass& amass) : amass_(amass) {}
+
+  bool SamePose(std::size_t f) const {
+    const std::size_t last = std::min(kColumnsOfBody, amass_.pose_columns);
+    return Same(amass_.poses, amass_.pose_columns, f, kFirstColumn, last);
+  }
+  bool SamePlace(std::size_t f) const { return Same(amass_.translation_m, 3, f, 0, 3); }
+  bool AllZero(std::size_t f) const {
+    const auto row = amass_.poses.begin() + static_cast<std::ptrdiff_t>(f * amass_.pose_columns);
+    return std::all_of(row + kFirstColumn, row + std::min<std::ptrdiff_t>(kColumnsOfBody, amass_.pose_columns),
+                       [](double value) { return value == 0.0; });
+  }
+  bool Damaged(std::size_t f) const {
+    return std::binary_search(amass_.damaged.begin(), amass_.damaged.end(), static_cast<int>(f));
+  }
+
+ private:
+  /// Columns [first, last) of frame f and of the one before.
+  static bool Same(const std::vector<double>& values, std::size_t wide, std::size_t f, std::size_t first,
+                   std::size_t last) {
+    const auto row = values.begin() + static_cast<std::ptrdiff_t>(f * wide);
+    const auto before = row - static_cast<std::ptrdiff_t>(wide);
+    return std::equal(row + first, row + last, before + first);
+  }
+
+  const Amass& amass_;
+};
+
+/// `carried`: while the root goes on.
+Finding FrozenPose(bool zero, bool carried, std::size_t begin, std::size_t end, std::size_t frames) {
+  Finding finding =
+      FrameFinding("frozen_pose", static_cast<int>(begin), static_cast<int>(end), "", static_cast<double>(end - begin),
+                   (zero ? "all rotations of the body are 0 in " : "no joint of the body turns in ") +
+                       Counted(static_cast<long long>(end - begin), "frame") + " on end (" + std::to_string(begin) +
+                       "-" + std::to_string(end) + (carried ? "), while `trans` carries it on: " : "): ") +
+                       (zero ? "the poses are not there" : "the poses are repeated or of another file") +
+                       "; copy the file again, or leave these frames out");
+  if (2 * (end - begin) >= frames) finding.severity = Severity::kError;
+  return finding;
+}
+
+/// "frozen_pose": frames on end in which every rotation of the body's joints (the root's and the hands' aside) is what
+/// it was to the last digit, while the root is carried on: `trans` changes in at least half of the steps. 5 frames or
+/// more are reported, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands
+/// still differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h). Of rotations
+/// that are all 0, which no fit gives, a single such frame is reported, wherever the root is.
+std::vector<Finding> CheckFrozenPoses(const Amass& amass) {
+  std::vector<Finding> findings;
+  const FrozenPoses poses(amass);
+  if (amass.pose_columns <= kFirstColumn) return findings;
+  for (std::size_t begin = 0, f = 1; begin < amass.frames; begin = f, ++f) {
+    std::size_t moved = 0;
+    for (; f < amass.frames && poses.SamePose(f) && !poses.Damaged(f) && !poses.Damaged(f - 1); ++f)
+      moved += poses.SamePlace(f) ? 0 : 1;
+    const std::size_t held = f - begin;
+    const bool zero = poses.AllZero(begin) && !poses.Damaged(begin), carried = held > 1 && 2 * moved >= held - 1;
+    const bool blank = zero && held < amass.frames;
+    if ((blank || (held >= kFewestFrames && carried)) && findings.size() < kMostSpans)
+      findings.push_back(FrozenPose(zero, carried, begin, f, amass.frames));
+  }
+  return findings;
+}
+
+/// "path_missing": `trans` is 0 0 0 in every frame, 5 or more, while joints turn. Value: frames.
+std::optional<Finding> CheckTranslations(const Amass& amass) {
+  const FrozenPoses poses(amass);
+  bool turns = false;
+  for (std::size_t f = 1; f < amass.frames && !turns; ++f)
+    turns = amass.pose_columns > kFirstColumn && !poses.SamePose(f);
+  const auto zero = [](double value) { return value == 0.0; };
+  if (!turns || amass.frames < kFewestFrames || !amass.damaged.empty() ||
+      !std::all_of(amass.translation_m.begin(), amass.translation_m.end(), zero))
+    return std::nullopt;
+  const int frames = static_cast<int>(amass.frames);
+  return FrameFinding("path_missing", 0, frames, "", frames,
+                      "`trans` is 0 0 0 in every one of " + Counted(frames, "frame") +
+                          ", while the body turns: the file does not say where the body goes; copy the file again, or "
+                          "use its rotations alone");
+}
+
+/// "units_contradiction" where the markers are a power of ten larger or smaller than the body that poses and `trans`
+/// give, `posed` (frames, joints; metres): `marker_data` is of another unit, and the body is sound. Value: how many
+/// times.
+std::optional<Finding> CheckMarkers(const Amass& amass, const JointPositions& posed) {
+  constexpr int kFrames = 50;  // looked at, all over the clip
+  std::vector<double> ratios;
+  const int step = std::max(1, posed.frames / kFrames);
+  JointPositions markers(static_cast<int>(amass.frames), static_cast<int>(amass.markers));
+  markers.xyz = amass.marker_data_m;
+  const std::vector<double> seen(amass.marker_observed.begin(), amass.marker_observed.end()), all, times;
+  const TrackedPoints of_markers{markers, seen, times}, of_body{posed, all, times};
+  for (int f = 0; f < std::min(posed.frames, markers.frames); f += step) {
+    const auto extent = of_markers.Extent(f, 3), body = of_body.Extent(f, 3);
+    if (extent && body && *extent > 0.0 && *body > 0.0) ratios.push_back(*extent / *body);
+  }
+  if (ratios.empty()) return std::nullopt;
+  const double ratio = Median(std::move(ratios)), factor = std::pow(10.0, std::round(std::log10(ratio)));
+  if (factor == 1.0) return std::nullopt;
+  const char* unit = factor == 1000.0 ? " (millimetres)" : factor == 100.0 ? " (centimetres)" : "";
+  return MakeFinding("units_contradiction", Severity::kError, ratio,
+                     "`marker_data` is " + Digits(ratio) +
+                         " times as large as the body that `poses` and `trans` give: AMASS has metres, "
+                         "these numbers are to be divided by " +
+                         FormatDouble(factor) + unit + "; the body is looked at without them");
+}
+
+/// Findings about the numbers of a file.
 struct AmassFindings {
-  bool invalid_poses = false;
   std::vector<Finding> findings;
   std::optional<Finding> rate;
 };
@@ -27,17 +145,19 @@ struct AmassFindings {
 AmassFindings CheckAmass(const Amass& amass, const std::string& name) {
   AmassFindings checked;
   checked.findings = amass.findings;
-  if (auto angles = CheckAngleUnits(amass)) {
-    checked.invalid_poses = true;
-    checked.findings.push_back(*std::move(angles));
-  }
+  if (auto angles = CheckAngleUnits(amass)) checked.findings.push_back(*std::move(angles));
   for (Finding& frozen : CheckFrozenPoses(amass)) checked.findings.push_back(std::move(frozen));
   if (auto places = CheckTranslations(amass)) checked.findings.push_back(*std::move(places));
   checked.rate = CheckStatedRate(amass.rate_hz, RateUnit::kFramesPerSecond, name + ":mocap_framerate");
   return checked;
 }
 
-constexpr int kBodyJoints = 22;  // common to SMPL, SMPL-H and SMPL-X
+constexpr int kBodyJoints = 22;  // common to SMPL, SMPL-H and SMPL-X; SMPL's two hands are their fingers
+
+SmplRotations RotationsIn(const Amass& amass) {
+  return {amass.poses, amass.frames, amass.pose_columns,
+          amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints};
+}
 
 Finding NotTheSubject(const Skeleton& skeleton) {
   return MakeFinding(
@@ -77,10 +197,8 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   if (!skeleton) return Forward(skeleton);
   const Expected<Amass> amass = ParseAmass(file.bytes, file.name, source.damaged_rows);
   if (!amass) return Forward(amass);
-  const int joints_in_file = amass->pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints;
   if (amass->frames == 0) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
-  const SmplRotations rotations{amass->poses, amass->frames, amass->pose_columns, joints_in_file};
-  Expected<std::vector<Quaterniond>> rotation = SmplLocalRotations(**skeleton, rotations, *world_from_file);
+  Expected<std::vector<Quaterniond>> rotation = SmplLocalRotations(**skeleton, RotationsIn(*amass), *world_from_file);
   if (!rotation) return Forward(rotation);
   std::vector<Vector3d> root_translation;
   for (std::size_t f = 0; f < amass->frames; ++f) {
@@ -129,16 +247,13 @@ BodyLandmarks PointsOfMarkers(const std::vector<std::string>& labels) {
   return points;
 }
 
-constexpr int kJointsBesideHands = 22;  // of SMPL-H and SMPL-X; SMPL's two hands are their fingers
-
 /// The rotations on SMPL's tree, which is the same for every body. The joints have standard proportions, so that bone
 /// lengths mean nothing.
 Expected<Motion> PoseTree(const Amass& amass) {
   const Expected<SkeletonPtr> skeleton = KnownSkeleton("smpl24");
   if (!skeleton) return Forward(skeleton);
-  const SmplRotations rotations{amass.poses, amass.frames, amass.pose_columns,
-                                amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kJointsBesideHands};
-  Expected<std::vector<Quaterniond>> local = SmplLocalRotations(**skeleton, rotations, Quaterniond::Identity());
+  Expected<std::vector<Quaterniond>> local =
+      SmplLocalRotations(**skeleton, RotationsIn(amass), Quaterniond::Identity());
   if (!local) return Forward(local);
   std::vector<Vector3d> pelvis;
   for (std::size_t f = 0; f < amass.frames; ++f)
@@ -151,11 +266,7 @@ Expected<Motion> PoseTree(const Amass& amass) {
 
 void StandOnTree(const Motion& motion, const std::vector<int>& damaged, RawClip& clip) {
   clip.positions = motion.joints;
-  if (!damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
-  for (const int f : damaged) {
-    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.positions.joints, clip.positions.joints,
-                0.0);
-  }
+  clip.SetMissing(damaged);
   const Reported<std::string> declared = clip.skeleton;
   std::vector<std::string> names;
   for (const Joint& joint : motion.skeleton->joints) names.push_back(joint.name);
@@ -188,7 +299,7 @@ RawClip AmassClip(const Amass& amass, const std::string& name) {
   clip.AddRemarks(checked.findings);
   // Poses in another unit show nothing; the markers still do.
   const Expected<Motion> posed =
-      checked.invalid_poses ? Fail(ErrorCode::kInconsistent, kInvalidPoses, name) : PoseTree(amass);
+      InvalidatesPoses(checked.findings) ? Fail(ErrorCode::kInconsistent, kInvalidPoses, name) : PoseTree(amass);
   if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
   const std::optional<Finding> unit = posed && amass.markers > 0 ? CheckMarkers(amass, posed->joints) : std::nullopt;
   if (unit) clip.remarks.push_back(*unit);

@@ -5,14 +5,14 @@
 #include "core/base/text.h"
 #include "core/formats/amc.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/angle_checks.h"
-#include "ingest/checks/asf_checks.h"
-#include "ingest/checks/rate_checks.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/checks/root_scale.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/inspect/raw_clip.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 
@@ -22,7 +22,6 @@ namespace {
 /// Findings about the numbers of a motion, and of its skeleton if there is one.
 struct AcclaimFindings {
   std::vector<Finding> findings;
-  bool invalid_poses = false;  ///< the angles are not in the declared unit
   std::optional<Finding> rate;
 };
 
@@ -36,7 +35,6 @@ AcclaimFindings CheckAcclaim(const Asf* asf, const std::string& skeleton, const 
   }
   std::optional<Finding> angles = asf != nullptr ? CheckAngleUnits(*asf, &amc) : std::nullopt;
   if (!angles) angles = CheckAngleUnits(amc, asf);
-  checked.invalid_poses = angles.has_value();
   if (angles) checked.findings.push_back(*std::move(angles));
   if (amc.hz) checked.rate = CheckStatedRate(*amc.hz, RateUnit::kFramesPerSecond, name + ": :SAMPLES-PER-SECOND");
   return checked;
@@ -245,10 +243,9 @@ void AddPositions(const Asf& asf, const Amc& amc, RawClip& clip) {
       clip.positions.at(i, static_cast<int>(b) + 1) = parent < 0 ? root : ends[static_cast<std::size_t>(parent)];
     }
   }
-  if (!amc.damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
+  clip.SetMissing(amc.damaged);
   const std::ptrdiff_t numbers = static_cast<std::ptrdiff_t>(clip.joints) * 3;
   for (const int f : amc.damaged) {
-    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
     // The path of the root is looked at without confidences.
     const auto here = clip.positions.xyz.begin() + f * numbers;
     if (f > 0) std::copy_n(here - numbers, numbers, here);
@@ -297,7 +294,7 @@ Expected<RawFile> AmcIn(const FileBytes& file) {
   clip.rate_finding = checked.rate;
   if (asf && amc->frames > 0) {
     AddPositions(*asf, *amc, clip);
-    if (checked.invalid_poses) {
+    if (InvalidatesPoses(checked.findings)) {
       clip.positions = JointPositions();
       clip.confidence.clear();
       clip.silence = kInvalidPoses;
@@ -322,11 +319,9 @@ Expected<RawFile> AsfIn(const FileBytes& file) {
        "asf",
        {{"angles", asf->degrees ? "degrees" : "radians"}},
        {{"bones", static_cast<double>(asf->bones.size())}, {"length_unit", asf->length_unit}}});
-  std::vector<Finding> checked = CheckAsfSkeleton(*asf, file.name);
-  if (auto angles = CheckAngleUnits(*asf)) checked.push_back(*std::move(angles));
-  for (const std::vector<Finding>& findings : {asf->findings, checked}) {
-    for (const Finding& finding : findings) observed.remarks.push_back(finding);
-  }
+  observed.remarks = asf->findings;
+  for (Finding& finding : CheckAsfSkeleton(*asf, file.name)) observed.remarks.push_back(std::move(finding));
+  if (auto angles = CheckAngleUnits(*asf)) observed.remarks.push_back(*std::move(angles));
   return observed;
 }
 

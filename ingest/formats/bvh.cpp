@@ -4,13 +4,12 @@
 #include "core/base/text.h"
 #include "core/formats/bvh.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/angle_checks.h"
-#include "ingest/checks/rate_checks.h"
 #include "ingest/checks/root_scale.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/inspect/raw_clip.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/inspect/tree_points.h"
 #include "ingest/sources/bvh_skeleton.h"
 #include "ingest/sources/damaged_frames.h"
 
@@ -143,10 +142,7 @@ Expected<RawFile> BvhIn(const FileBytes& file) {
     BvhForward(*bvh, f, positions);
     for (int j = 0; j < clip.joints; ++j) clip.positions.at(f, j) = positions[static_cast<std::size_t>(j)];
   }
-  if (!bvh->damaged.empty()) clip.confidence.assign(clip.positions.xyz.size() / 3, 1.0);
-  for (const int f : bvh->damaged) {
-    std::fill_n(clip.confidence.begin() + static_cast<std::ptrdiff_t>(f) * clip.joints, clip.joints, 0.0);
-  }
+  clip.SetMissing(bvh->damaged);
   std::vector<int> parents;
   for (const BvhJoint& joint : bvh->joints) parents.push_back(joint.parent);
   FollowTree(parents, "HIERARCHY with ROOT " + clip.names[0], clip);
@@ -164,9 +160,7 @@ Expected<RawFile> BvhIn(const FileBytes& file) {
     if (carrier > 0) clip.facts.emplace_back("translation_from", clip.names[static_cast<std::size_t>(carrier)]);
     if (const auto path = CheckRootPath(carried, clip.points)) clip.remarks.push_back(*path);
   }
-  for (const Finding& finding : bvh->findings) {
-    clip.remarks.push_back(finding);
-  }
+  clip.AddRemarks(bvh->findings);
   return RawFile::Of(std::move(clip));
 }
 

@@ -7,7 +7,7 @@
 #include "core/formats/json_place.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/sources/depth_images.h"
+#include "ingest/sources/rig_calibration.h"
 
 namespace mocurate {
 namespace {
@@ -18,13 +18,10 @@ Status CheckDepthFiles(const SourceOptions& source) {
               "ingest.source.depth_files", "e.g. 'depth/{view}_{frame:4}.png'");
 }
 
-/// Files by view and frame number.
-using FilesOfView = std::map<long long, const StageInput*>;
-
-Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
+Expected<std::map<std::string, FilesOfCamera>> SortFiles(const SourceFile& file) {
   const Expected<NamePattern> pattern = NamePattern::Parse(file.source.depth_files, "ingest.source.depth_files");
   if (!pattern) return Forward(pattern);
-  std::map<std::string, FilesOfView> views;
+  std::map<std::string, FilesOfCamera> views;
   for (const StageInput& input : file.depth_files) {
     const std::optional<NameFields> fields = pattern->Match(input.name);
     if (!fields || fields->count("view") == 0) {
@@ -40,7 +37,7 @@ Expected<std::map<std::string, FilesOfView>> SortFiles(const SourceFile& file) {
 }
 
 /// Number of the first image over all views: a view that starts later is incomplete.
-long long FirstNumber(const DepthSequence& sequence, const std::map<std::string, FilesOfView>& views) {
+long long FirstNumber(const DepthSequence& sequence, const std::map<std::string, FilesOfCamera>& views) {
   std::optional<long long> first;
   for (const DepthSequenceView& view : sequence.views) {
     const auto files = views.find(view.name);
@@ -51,7 +48,7 @@ long long FirstNumber(const DepthSequence& sequence, const std::map<std::string,
 }
 
 Expected<DepthView> MakeDepthView(const SourceFile& file, const DepthSequence& sequence, const DepthSequenceView& view,
-                                  const FilesOfView& files, long long first, FrameRate rate,
+                                  const FilesOfCamera& files, long long first, FrameRate rate,
                                   const RigidTransform& world_from_rig) {
   DepthView made;
   made.camera.name = view.name;
@@ -79,12 +76,8 @@ Expected<DepthView> MakeDepthView(const SourceFile& file, const DepthSequence& s
 /// JSON and depth images -> depth views by reference (file names below the source's folder), cameras in the canonical
 /// world, annotated segments.
 Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
-  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  const Expected<Quaterniond> axes = RotationOfAxes(file.source.axes);
   if (!axes) return Forward(axes);
-  if (axes->handedness() == Handedness::kLeft) {
-    return Fail(ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
-                "camera rotations need a right-handed frame; the usual one (x right, y down, z forward) is '+x -y -z'");
-  }
   const Expected<DepthSequence> sequence = ParseDepthSequence(file.bytes, file.name);
   if (!sequence) return Forward(sequence);
   const auto views = SortFiles(file);
@@ -95,12 +88,13 @@ Expected<IngestedClip> ReadDepthSequenceClip(const SourceFile& file) {
     clip.rate = RateOfFile(file.source, sequence->fps, ingested);
   else
     clip.rate = {1, 1};  // one moment has no rate
-  const RigidTransform world_from_rig{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
+  const RigidTransform world_from_rig{*axes, Vector3d::Zero()};
   const long long first = FirstNumber(*sequence, *views);
   for (const DepthSequenceView& view : sequence->views) {
     const auto files = views->find(view.name);
-    Expected<DepthView> made = MakeDepthView(
-        file, *sequence, view, files == views->end() ? FilesOfView() : files->second, first, clip.rate, world_from_rig);
+    Expected<DepthView> made =
+        MakeDepthView(file, *sequence, view, files == views->end() ? FilesOfCamera() : files->second, first, clip.rate,
+                      world_from_rig);
     if (!made) return Forward(made);
     clip.evidence.depth_views.push_back(std::move(*made));
   }

@@ -1,6 +1,5 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
-#include "ingest/sources/depth_images.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/rig_calibration.h"
 

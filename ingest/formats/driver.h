@@ -19,9 +19,6 @@ enum class EvidenceKind { kNothing, kJointTracks, kDepthViews, kPointClouds, kKe
 /// What declares the unit of length of a file.
 enum class UnitOf { kDeclaration, kMetres, kCentimetres, kCalibration };
 
-/// Whether one file holds all clips of a source (`container`).
-enum class Container { kNone, kMay, kMust };
-
 /// One clip of a container, as the set's lists describe it.
 struct ContainerEntry {
   std::string name;      ///< matched with ingest.source.files
@@ -49,8 +46,8 @@ struct FormatDriver {
   bool stored = false;  ///< clips of a store: they keep their identity, and the file states whether they have rotations
   bool has_truth = false;  ///< a file contains the true motion beside its evidence
   std::vector<std::string> grouped_by =
-      {};  ///< a clip consists of many files, whose names differ in these fields: camera, frame
-  Container container = Container::kNone;
+      {};                        ///< a clip consists of many files, whose names differ in these fields: camera, frame
+  bool needs_container = false;  ///< one file holds all clips of a source (`container`)
   std::vector<std::string> options = {};  ///< options of `ingest.source` that only this format, or a few, have
   const char* zeros = "";                 ///< advice about joints at 0 0 0, appended to the finding's message
   /// Rules of a declaration beyond those of all formats. Error kConfig names the option. Null: no rules.

@@ -3,15 +3,16 @@
 #include <cstdio>
 
 #include "core/base/file.h"
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/sources/body_check.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -57,9 +58,7 @@ std::vector<double> FileBoneLengths(const JointPositions& joints, const Skeleton
     for (int f = 0; f < joints.frames; ++f) {
       frames.push_back((joints.at(f, j) - joints.at(f, skeleton.joints[j].parent)).norm());
     }
-    const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
-    std::nth_element(frames.begin(), middle, frames.end());
-    lengths[j] = *middle;
+    lengths[j] = Median(std::move(frames));
   }
   return lengths;
 }
@@ -72,12 +71,11 @@ void NoteDisplaced(const JointPositions& recorded, const Motion& motion, std::ve
       distances.push_back((recorded.at(f, j) - motion.joints.at(f, j)).norm());
     }
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  if (*middle <= kFits) return;
+  const double median = Median(std::move(distances));
+  if (median <= kFits) return;
   findings.push_back(
-      MakeFinding("joints_displaced", Severity::kInfo, *middle,
-                  "joints lie " + RoundedText(*middle, 3) +
+      MakeFinding("joints_displaced", Severity::kInfo, median,
+                  "joints lie " + RoundedText(median, 3) +
                       " m (median) off the recorded positions: the skeleton's bones point elsewhere at rest than "
                       "the subject's body; rotations kept; to keep the positions, read joints alone (format npy)",
                   FindingAction::kKept));
@@ -132,7 +130,7 @@ FormatDriver HumanAct12PickleFormat() {
   d.rotations = true;
   d.unit = UnitOf::kMetres;
   d.needs_skeleton = true;
-  d.container = Container::kMust;
+  d.needs_container = true;
   d.options = {"container"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
   d.read_raw = ReadRawPickle;

@@ -1,17 +1,24 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "core/base/problem_list.h"
 #include "core/base/text.h"
+#include "core/formats/decimal_comma.h"
 #include "core/formats/joint_layout.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/checks/rate_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/inspect/read_raw.h"
-#include "ingest/sources/table_rows.h"
+#include "ingest/options.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
+
+constexpr int kFewestTableFrames = 8;  // fewer do not determine the order of joints
 
 void CheckColumns(const SourceOptions& s, ProblemList& problems) {
   const std::vector<std::string> known = {"x",      "y",       "z",       "confidence", "skip",   "frame",
@@ -25,6 +32,76 @@ void CheckColumns(const SourceOptions& s, ProblemList& problems) {
     if (std::count(s.columns.begin(), s.columns.end(), needed) == 1) continue;
     problems.Add("ingest.source.columns", std::string("column '") + needed + "' must occur exactly once");
   }
+}
+
+/// Rows of one frame of a joint table: as declared, else one with `layout` and one per joint with `columns`.
+int RowsPerFrame(const SourceOptions& s) {
+  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
+  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
+}
+
+/// The numbers of a frame of a joint table: `layout`, or `columns` for each of the joints. Error kConfig.
+Expected<JointLayout> TableLayout(const SourceOptions& s) {
+  if (!s.layout.empty()) return ParseJointLayout(s.layout, "ingest.source.layout");
+  ProblemList problems;
+  CheckColumns(s, problems);
+  if (Status known = problems.Result(); !known) return Forward(known);
+  std::string words;
+  for (const std::string& column : s.columns) words += " " + column;
+  return ParseJointLayout(std::to_string(s.joints.size()) + "*(" + words + ")", "ingest.source.columns");
+}
+
+/// Whether the last whole frames are a body in the declared order, as the others are. Too few frames count as no body.
+bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
+  if (!skeleton || !*skeleton || rows.frames < kFewestTableFrames) return true;
+  const std::vector<RawBone> bones = BonesOf(source.joints, **skeleton);
+  for (const int frames : {rows.frames, kFewestTableFrames}) {
+    JointPositions positions(frames, rows.joints);
+    std::vector<double> confidence;
+    const std::size_t first = static_cast<std::size_t>(rows.frames - frames) * static_cast<std::size_t>(rows.joints);
+    for (std::size_t at = 0; at < positions.xyz.size() / 3; ++at) {
+      const Vector3d point(&rows.position[3 * (first + at)]);
+      confidence.push_back(point.allFinite() && !point.isZero(0.0) ? 1.0 : 0.0);
+      if (confidence.back() > 0.0) std::copy_n(point.data(), 3, &positions.xyz[3 * at]);
+    }
+    if (!ScoreBody(positions, confidence, bones).IsBody()) return false;
+  }
+  return true;
+}
+
+std::string RowCountProblem(const JointRows& rows, int per_frame) {
+  const long long count = static_cast<long long>(rows.frames) * per_frame + rows.rows_left_over;
+  const int missing = per_frame - rows.rows_left_over;
+  return std::to_string(count) + " rows are not a whole number of frames of " + std::to_string(per_frame) +
+         " rows: " + Counted(missing, "row") + (missing == 1 ? " is" : " are") + " missing, or " +
+         std::to_string(rows.rows_left_over) + " too many";
+}
+
+/// Joints of a table by its declaration. Errors of ParseJointRows; kInconsistent where the rows are not a whole number
+/// of frames and the last frames are not a body in the declared order: a row is lost or repeated.
+Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name) {
+  const Expected<std::optional<std::string>> points = WithDecimalPoints(bytes, name);
+  if (!points) return Forward(points);
+  if (*points) {
+    Expected<JointRows> rows = ReadTableRows(source, **points, name);
+    if (rows) rows->findings.push_back(DecimalCommas());
+    return rows;
+  }
+  const Expected<JointLayout> layout = TableLayout(source);
+  if (!layout) return Forward(layout);
+  JointTableLayout table;
+  table.rows_per_frame = RowsPerFrame(source);
+  table.allow_nan = source.missing == MissingValue::kNan;
+  table.damaged_rows = source.damaged_rows;
+  table.end_word = source.end_word;
+  Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name, source.rate_hz.value_or(0.0));
+  if (!rows || rows->rows_left_over == 0) return rows;
+  // A file that is cut off is a body up to its end; after a lost or repeated row, joints get wrong names.
+  if (EndsAsBody(*rows, source)) return rows;
+  return Fail(ErrorCode::kInconsistent, RowCountProblem(*rows, table.rows_per_frame), name,
+              "the joints stop forming a body before the end of the file: compare the file with its source, or "
+              "correct ingest.source.rows_per_frame and joints");
 }
 
 /// The names of columns and joints, all that are wrong at once.
@@ -210,21 +287,6 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
 }
 
 }  // namespace
-
-int RowsPerFrame(const SourceOptions& s) {
-  if (s.rows_per_frame > 0) return static_cast<int>(s.rows_per_frame);
-  return s.layout.empty() ? static_cast<int>(s.joints.size()) : 1;
-}
-
-Expected<JointLayout> TableLayout(const SourceOptions& s) {
-  if (!s.layout.empty()) return ParseJointLayout(s.layout, "ingest.source.layout");
-  ProblemList problems;
-  CheckColumns(s, problems);
-  if (Status known = problems.Result(); !known) return Forward(known);
-  std::string words;
-  for (const std::string& column : s.columns) words += " " + column;
-  return ParseJointLayout(std::to_string(s.joints.size()) + "*(" + words + ")", "ingest.source.columns");
-}
 
 bool HasTimes(const SourceOptions& s) {
   const bool table = s.format == "joint_table" && !(s.layout.empty() && s.joints.empty());

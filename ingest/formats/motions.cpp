@@ -71,7 +71,7 @@ FormatDriver MotionsFormat() {
   d.gives = EvidenceKind::kMotion;
   d.unit = UnitOf::kMetres;
   d.states_rate = true;
-  d.container = Container::kMust;
+  d.needs_container = true;
   d.stored = true;
   d.options = {"container"};
   d.to_clip = ReadMotionsClip;

@@ -8,7 +8,6 @@
 #include "core/motion/tracks.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
-#include "ingest/inspect/array_estimate.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/mapped_file.h"
@@ -235,9 +234,7 @@ Expected<RawFile> NpyIn(const FileBytes& file) {
 }  // namespace
 
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name) {
-  std::string shape;
-  for (const std::size_t size : array.shape) shape += (shape.empty() ? "(" : ", ") + std::to_string(size);
-  shape += ")";
+  const std::string shape = ArrayShapeText(array);
   if (const auto axes = ExchangedAxes(array, 0)) {
     return Fail(ErrorCode::kInconsistent, "the array has shape " + shape + ": " + axes->words, name, axes->way_out);
   }

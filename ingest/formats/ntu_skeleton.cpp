@@ -72,7 +72,11 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   if (!people) return Forward(people);
   const std::size_t own = static_cast<std::size_t>(std::max(1, file.named.body)) - 1;
   if (own >= people->chosen.size()) {
-    return tl::unexpected<Error>(PersonNotFound(own + 1, wanted, *people, skeleton->frames.size(), file.name));
+    return Fail(ErrorCode::kInconsistent,
+                "body " + std::to_string(own + 1) + " of " + std::to_string(wanted) + " is not there: the file has " +
+                    Counted(people->chosen.size(), "body id") + " in " + Counted(skeleton->frames.size(), "frame"),
+                file.name, "the tracker lost the person: remove the file, or correct ingest.source.bodies",
+                Reason::kPersonMissing);
   }
   const PersonTrack& body = people->chosen[own];
 
@@ -107,14 +111,6 @@ Expected<IngestedClip> ReadNtuSkeletonClip(const SourceFile& file) {
   ingested.clip.provenance["body_id"] = body.Name();
   ingested.clip.evidence.tracks = std::move(tracks);
   return ingested;
-}
-
-const std::vector<std::string>& KinectJoints() {
-  for (const JointOrder& order : KnownJointOrders()) {
-    if (order.name == "kinect2") return order.joints;
-  }
-  static const std::vector<std::string> none;
-  return none;
 }
 
 /// The frames of one body: missing where the sensor does not follow the joint, or the body is not there.
@@ -186,12 +182,10 @@ Expected<RawFile> NtuIn(const FileBytes& file) {
     clip.units = "m";
     clip.up = "+y";
     clip.handedness = "right";
-    FollowFormat("ntu25", KinectJoints(), "25 joints of the Kinect v2", clip);
+    FollowFormat("ntu25", NtuJointNames(), "25 joints of the Kinect v2", clip);
     clips.push_back(std::move(clip));
   }
-  for (const Finding& finding : skeleton->findings) {
-    clips[0].remarks.push_back(finding);
-  }
+  clips[0].AddRemarks(skeleton->findings);
   return RawFile::Of(std::move(clips));
 }
 

@@ -91,23 +91,23 @@ Camera SensorCamera(const Sensor& sensor, const SourceOptions& source, std::vect
                      std::abs(camera.fy - nominal[1]) > kOtherFocal * std::abs(nominal[1]) ||
                      std::abs(camera.cx - nominal[2]) > kOtherCentre || std::abs(camera.cy - nominal[3]) > kOtherCentre;
   if (other) {
-    NoteCapture(findings, "intrinsics_contradiction", Severity::kWarning, camera.fx,
-                "the joints of " + camera.name + " project as in a camera with fx " + RoundedText(camera.fx, 5) +
-                    ", fy " + RoundedText(camera.fy, 5) + ", cx " + RoundedText(camera.cx, 5) + ", cy " +
-                    RoundedText(camera.cy, 5) + " px; declared are " + RoundedText(nominal[0], 5) + ", " +
-                    RoundedText(nominal[1], 5) + ", " + RoundedText(nominal[2], 5) + ", " + RoundedText(nominal[3], 5) +
-                    "; the measured ones are used",
-                FindingAction::kKept);
+    findings.push_back(MakeFinding(
+        "intrinsics_contradiction", Severity::kWarning, camera.fx,
+        "the joints of " + camera.name + " project as in a camera with fx " + RoundedText(camera.fx, 5) + ", fy " +
+            RoundedText(camera.fy, 5) + ", cx " + RoundedText(camera.cx, 5) + ", cy " + RoundedText(camera.cy, 5) +
+            " px; declared are " + RoundedText(nominal[0], 5) + ", " + RoundedText(nominal[1], 5) + ", " +
+            RoundedText(nominal[2], 5) + ", " + RoundedText(nominal[3], 5) + "; the measured ones are used",
+        FindingAction::kKept));
   }
   return camera;
 }
 
 Expected<DepthView> ViewOf(const Sensor& sensor, Camera camera, const SourceFile& file, const ViewAlignment& alignment,
-                           const Matrix3d& canonical_from_sensor, const SharedFrames& span, FrameRate rate) {
+                           const Quaterniond& canonical_from_sensor, const SharedFrames& span, FrameRate rate) {
   DepthView view;
   // The sensor's axes are x to its left, y up, z away; the camera's x right, y down, z forward.
   const RigidTransform camera_from_sensor{Quaterniond(0.0, 0.0, 0.0, 1.0), Vector3d::Zero()};
-  const RigidTransform canonical{Quaterniond(canonical_from_sensor), Vector3d::Zero()};
+  const RigidTransform canonical{canonical_from_sensor, Vector3d::Zero()};
   camera.camera_from_world = camera_from_sensor * Inverse(canonical) * Inverse(alignment.a_from_b);
   view.camera = std::move(camera);
   view.metres_per_unit = file.source.depth_unit;
@@ -142,7 +142,7 @@ std::string EvidenceOf(long long tracks, long long depth) {
 }
 
 Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, const PlacedViews& placed,
-                const Matrix3d& canonical_from_sensor, const std::vector<char>& with_depth, const SharedFrames& span,
+                const Quaterniond& canonical_from_sensor, const std::vector<char>& with_depth, const SharedFrames& span,
                 IngestedClip& ingested) {
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     if (with_depth[i] == 0) continue;
@@ -152,10 +152,10 @@ Status AddDepth(const SourceFile& file, const std::vector<Sensor>& sensors, cons
     }
     const std::string& name = sensors[i].file->view;
     if (missing > 0) {
-      NoteCapture(ingested.findings, "depth_excluded", Severity::kWarning, missing,
-                  name + " lacks the depth images of " + std::to_string(missing) + " of " +
-                      Counted(span.end - span.begin, "frame"),
-                  FindingAction::kExcluded);
+      ingested.findings.push_back(MakeFinding("depth_excluded", Severity::kWarning, missing,
+                                              name + " lacks the depth images of " + std::to_string(missing) + " of " +
+                                                  Counted(span.end - span.begin, "frame"),
+                                              FindingAction::kExcluded));
       continue;
     }
     std::string from;
@@ -174,8 +174,8 @@ void NoteMissing(const SourceOptions& source, const std::vector<Sensor>& sensors
     const bool there =
         std::any_of(sensors.begin(), sensors.end(), [&](const Sensor& sensor) { return sensor.file->view == camera; });
     if (there) continue;
-    NoteCapture(findings, "camera_missing", Severity::kWarning, static_cast<double>(sensors.size()),
-                "there is no file of " + camera, FindingAction::kFlagged);
+    findings.push_back(MakeFinding("camera_missing", Severity::kWarning, static_cast<double>(sensors.size()),
+                                   "there is no file of " + camera, FindingAction::kFlagged));
   }
 }
 
@@ -183,12 +183,8 @@ void NoteMissing(const SourceOptions& source, const std::vector<Sensor>& sensors
 
 Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  const Expected<Quaterniond> axes = RotationOfAxes(source.axes);
   if (!axes) return Forward(axes);
-  if (axes->handedness() == Handedness::kLeft) {
-    return Fail(ErrorCode::kConfig, "axes '" + source.axes + "' are left-handed", "ingest.source.axes",
-                "the sensor's are right-handed: '-x +y -z'");
-  }
   IngestedClip ingested;
   Clip& clip = ingested.clip;
   clip.rate = FrameRate::FromHz(*source.rate_hz);
@@ -263,7 +259,7 @@ Expected<IngestedClip> ReadNtuViewsClip(const SourceFile& file) {
   clip.provenance["body_id"] = ids;
   if (span.begin > 0) clip.provenance["view.first_frame"] = std::to_string(span.begin);
   NoteEstimates(*placed, sensors, clip);
-  Status depth = AddDepth(file, sensors, *placed, axes->canonical_from_source, with_depth, span, ingested);
+  Status depth = AddDepth(file, sensors, *placed, *axes, with_depth, span, ingested);
   if (!depth) return Forward(depth);
   const auto used =
       std::count_if(placed->views.begin(), placed->views.end(), [](const PlacedView& v) { return v.used; });

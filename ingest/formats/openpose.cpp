@@ -1,32 +1,79 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "core/base/text.h"
 #include "core/formats/openpose.h"
+#include "core/geometry/camera.h"
+#include "core/pipeline/stage.h"
 #include "ingest/checks/keypoint_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
-#include "ingest/inspect/keypoint_layout_estimate.h"
-#include "ingest/sources/depth_images.h"
 #include "ingest/sources/frame_files.h"
+#include "ingest/sources/rig_calibration.h"
 
 namespace mocurate {
 namespace {
 
+constexpr const char* kMissing = "depth_images_missing";
+
+/// Adds depth views to a clip of keypoints, one image per frame of the span. A frame without an image of a camera has
+/// an empty name and counts in a finding "depth_images_missing", as does a clip without any image. Errors of
+/// PartnersOf, SetImageSize and AddDepthImage.
+Status AddDepthBeside(const SourceFile& file, const Rig& rig, const std::map<std::string, FilesOfCamera>& depth,
+                      const std::map<std::string, FilesOfCamera>& keypoints, const FrameSpan& span,
+                      IngestedClip& ingested) {
+  if (!HasDepthBeside(file.source)) return {};
+  if (depth.empty()) {
+    ingested.findings.push_back(CameraFinding(
+        kMissing, span.frames, "the clip has no depth images; only its keypoints are used", FindingAction::kKept));
+    return {};
+  }
+  std::vector<Finding> findings;
+  const auto partners = PartnersOf(file, rig, depth, findings, keypoints);
+  if (!partners) return Forward(partners);
+  for (Finding& finding : findings) {  // cameras without any files are reported already
+    if (finding.code == "camera_not_calibrated") ingested.findings.push_back(std::move(finding));
+  }
+  for (const auto& [name, camera] : *partners) {
+    const FilesOfCamera& images = depth.at(name);
+    DepthView view;
+    view.camera = *camera;
+    view.camera.name = name;
+    view.metres_per_unit = file.source.depth_unit;
+    if (Status sized = SetImageSize(*images.begin()->second, view.camera); !sized) return sized;
+    int missing = 0;
+    for (int f = 0; f < span.frames; ++f) {
+      const double time_s = ingested.clip.rate.FrameTime(f);
+      const auto image = images.find(span.first + f);
+      if (image != images.end()) {
+        if (Status added = AddDepthImage(*image->second, time_s, view); !added) return added;
+        continue;
+      }
+      ++missing;
+      view.files.emplace_back();
+      view.sha256.emplace_back();
+      view.time_s.push_back(time_s);
+    }
+    if (missing > 0) {
+      ingested.findings.push_back(MakeFinding(kMissing, Severity::kInfo, missing,
+                                              "camera '" + name + "' has no depth image of " + std::to_string(missing) +
+                                                  " of " + std::to_string(span.frames) + " frames",
+                                              FindingAction::kMissing));
+    }
+    ingested.clip.evidence.depth_views.push_back(std::move(view));
+  }
+  return {};
+}
+
 constexpr std::ptrdiff_t kMostPeople = 100;    // of an image
 constexpr std::size_t kMostEstimated = 10000;  // people used to measure the layout, evenly over views and frames
-
-using Poses = ImagePoses;  ///< of the people of an image who have a point
 
 /// The files of one camera.
 struct ViewFrames {
   const Camera* camera = nullptr;
-  std::vector<Poses> frames;  ///< (F)
-};
-
-/// Points that count as not observed.
-struct PointsNotSeen {
-  PointsOfFiles unsure, not_finite;
+  std::vector<ImagePoses> frames;  ///< (F) of the people who have a point
 };
 
 bool SeenKeypoints(const OpenPosePerson& person) {
@@ -42,8 +89,7 @@ ViewFrames ReadView(const std::string& camera, const FilesOfCamera& files, const
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     Expected<OpenPoseFrame> frame = ParseOpenPose(bytes, name);
     if (!frame) return Forward(frame);
-    unseen.unsure.Add(frame->uncertain_points, name);
-    unseen.not_finite.Add(frame->not_finite, name);
+    unseen.Add(*frame, name);
     const auto seen = std::count_if(frame->people.begin(), frame->people.end(), SeenKeypoints);
     if (seen > kMostPeople) {
       return Fail(ErrorCode::kInconsistent,
@@ -73,7 +119,7 @@ const KeypointLayout* LayoutNamed(const std::string& name) {
 /// The coordinates of each camera alone: one of several may have been written in another unit.
 void AddNumberFindings(const SourceFile& file, const ViewFrames& view, IngestedClip& ingested) {
   std::vector<OpenPosePerson> people;
-  for (const Poses& poses : view.frames) {
+  for (const ImagePoses& poses : view.frames) {
     for (const auto& pose : poses) people.emplace_back().pose = pose;
   }
   for (Finding& finding : CheckKeypointNumbers(people)) {
@@ -88,7 +134,7 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
                                          IngestedClip& ingested) {
   std::map<std::size_t, std::size_t> counts;  // points -> people
   for (const ViewFrames& view : views) {
-    for (const Poses& poses : view.frames) {
+    for (const ImagePoses& poses : view.frames) {
       for (const auto& pose : poses) ++counts[pose.size()];
     }
   }
@@ -102,7 +148,7 @@ Expected<const KeypointLayout*> LayoutOf(const SourceFile& file, const std::vect
   std::vector<OpenPosePerson> people;
   std::size_t at = 0;
   for (const ViewFrames& view : views) {
-    for (const Poses& poses : view.frames) {
+    for (const ImagePoses& poses : view.frames) {
       for (const auto& pose : poses) {
         if (pose.size() != usual->first || at++ % step != 0) continue;
         people.emplace_back();
@@ -141,7 +187,7 @@ KeypointView MakeKeypointView(const ViewFrames& frames, std::size_t points, Fram
   KeypointView view;
   view.camera = *frames.camera;
   std::size_t most = 0;
-  for (const Poses& poses : frames.frames) most = std::max(most, poses.size());
+  for (const ImagePoses& poses : frames.frames) most = std::max(most, poses.size());
   view.people = static_cast<int>(most);
   view.values.assign(frames.frames.size() * most * points * 3, 0.0);
   for (std::size_t f = 0; f < frames.frames.size(); ++f) {
@@ -208,14 +254,7 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
     views.push_back(ReadView(name, cameras->at(name), *span, unseen, ingested));
     views.back().camera = camera;
   }
-  if (unseen.unsure.points > 0) {
-    ingested.findings.push_back(CameraFinding("uncertain_points", static_cast<double>(unseen.unsure.points),
-                                              UnsurePointsWords(unseen.unsure), FindingAction::kMissing));
-  }
-  if (unseen.not_finite.points > 0) {
-    ingested.findings.push_back(CameraFinding("keypoints_not_finite", static_cast<double>(unseen.not_finite.points),
-                                              NotFiniteWords(unseen.not_finite), FindingAction::kMissing));
-  }
+  for (Finding& finding : unseen.Findings()) ingested.findings.push_back(std::move(finding));
   const auto layout = LayoutOf(file, views, ingested);
   if (!layout) return Forward(layout);
   Clip& clip = ingested.clip;

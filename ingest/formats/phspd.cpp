@@ -141,9 +141,7 @@ Expected<RawFile> PosesIn(const FileBytes& file) {
   clip.units = "m";
   clip.positions = std::move(tracks->positions);
   clip.confidence = std::move(tracks->confidence);
-  for (const JointOrder& order : KnownJointOrders()) {
-    if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
-  }
+  FollowFormat("smpl24", {std::begin(kSmplJointNames), std::end(kSmplJointNames)}, "24 joints of SMPL", clip);
   clip.AddRemarks(tracks->findings);
   return RawFile::Of(std::move(clip));
 }

@@ -81,23 +81,14 @@ EvidenceKind EvidenceKindOf(const SourceOptions& source) {
 }
 
 const char* Name(EvidenceKind gives) {
-  switch (gives) {
-    case EvidenceKind::kJointTracks:
-      return "joint tracks";
-    case EvidenceKind::kDepthViews:
-      return "depth views";
-    case EvidenceKind::kPointClouds:
-      return "point clouds";
-    case EvidenceKind::kKeypoints:
-      return "keypoints of several cameras";
-    case EvidenceKind::kKeypointsAndDepth:
-      return "keypoints and depth views";
-    case EvidenceKind::kMotion:
-      return "motion";
-    case EvidenceKind::kNothing:
-      break;
-  }
-  return "nothing";
+  static const char* const names[] = {"nothing",
+                                      "joint tracks",
+                                      "depth views",
+                                      "point clouds",
+                                      "keypoints of several cameras",
+                                      "keypoints and depth views",
+                                      "motion"};
+  return names[static_cast<int>(gives)];
 }
 
 }  // namespace mocurate

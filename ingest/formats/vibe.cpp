@@ -10,15 +10,15 @@
 #include "core/base/text.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
-#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/options.h"
-#include "ingest/people/choose_people.h"
+#include "ingest/people/person_tracks.h"
 #include "ingest/people/uestc.h"
-#include "ingest/sources/body_check.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
+#include "ingest/sources/source_file.h"
 
 namespace mocurate {
 namespace {
@@ -135,7 +135,7 @@ Expected<UestcPerson> NamedVibePerson(const VibeTrack& track, const std::string&
 /// The performer of a video among VIBE's tracks by `people.rule`. kUestcReleased and kUestcCorrected: SelectUestcTrack,
 /// from `people.start`. Any other rule: where people are is the joints moved by the camera's estimate, frames counted
 /// from the first in which any person is; ids that are one person are joined, false tracks are excluded and the rest
-/// ranked as of any tracker (choose_people.h); gaps of who is chosen are filled along the shortest arc. Errors
+/// ranked as of any tracker (person_tracks.h); gaps of who is chosen are filled along the shortest arc. Errors
 /// kInconsistent: no track, no person, a field that the rule reads is missing, or frame_ids span more than 20 frames a
 /// row and 1000; `name` is the file.
 Expected<UestcPerson> ChooseVibePerson(const std::vector<VibeTrack>& tracks, const PeopleOptions& options,
@@ -404,7 +404,6 @@ FormatDriver UestcFormat() {
   d.rotations = true;
   d.unit = UnitOf::kMetres;
   d.needs_skeleton = true;
-  d.container = Container::kMay;
   d.options = {"container", "root_translation", "people"};
   d.check = CheckStart;
   d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };

@@ -10,10 +10,7 @@ namespace mocurate {
 
 /// What the clips of a source report of one thing.
 template <class T>
-struct Vote {
-  std::optional<T> value;
-  Provenance from = Provenance::kUnknown;
-  double share = 0.0;   ///< of the votes
+struct Vote : Pooled<T> {
   double voters = 0.0;  ///< share of the clips that report this
   std::string comment;
 };

@@ -3,8 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "core/quality/duplicates.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/inspect/inspection.h"
 #include "ingest/inspect/measure.h"
+#include "ingest/inspect/raw_clip.h"
 #include "ingest/options.h"
 
 namespace mocurate {
@@ -18,5 +21,20 @@ InspectedClip DeclaredReport(const RawClip& clip, const std::string& file, const
                              std::vector<Finding>& findings);
 
 Reported<std::string> MeasuredText(const Measured& measured);
+
+/// "walk.bvh frames 3-5 joint head": where a finding is.
+std::string PlaceOf(const Finding& finding, const std::string& where);
+
+/// What the clips of a folder show, kept to tell which of them show the same, as `mocurate run` does.
+class InspectedMotions {
+ public:
+  /// `report`: what the inspection says of the clip. Clips whose unit or up is unknown are compared with none.
+  void Add(const RawClip& clip, const InspectedClip& report);
+  void Compare(const CheckOptions& options, std::vector<Finding>& findings) const;
+
+ private:
+  std::vector<std::string> ids_;
+  std::vector<MotionSignature> signatures_;
+};
 
 }  // namespace mocurate

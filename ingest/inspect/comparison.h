@@ -5,11 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "core/base/finding.h"
 #include "core/geometry/axes.h"
 #include "ingest/inspect/inspection.h"
 #include "ingest/inspect/measure.h"
+#include "ingest/options.h"
 
 namespace mocurate {
+
+struct ItemResult;
 
 /// What is said of a clip without looking at its numbers; empty: nothing.
 struct DeclaredFrame {
@@ -63,5 +67,26 @@ inline constexpr double kPlausibleOrder = 0.12;
 /// KARD, MSR-Action3D, UTKinect and Florence3D contradicts a correct one.
 inline constexpr std::size_t kFewestDenials = 3;
 inline constexpr double kAgreement = 0.95;
+
+/// What the clips of a source, after the stage `ingest`, say together against its declaration. Unit, axes and order of
+/// joints belong to the source, not to a clip: where at least 3 clips show one of them and contradict the declaration
+/// to 95 % (by how much each tells), that is one finding (error) about all of them, and all are suspect; with
+/// on_contradiction: refuse all are refused. Those that show nothing come from the same files. So is a rate, declared
+/// or of the files, that the motions of enough clips deny (RateDenials).
+std::vector<Finding> FindSetContradictions(const SourceOptions& source, std::vector<ItemResult>& clips);
+
+/// How a file says its rate.
+enum class RateUnit { kFramesPerSecond, kSecondsPerFrame };
+
+/// Motion is recorded between these rates; faster cameras look at a hand or a foot alone.
+inline constexpr double kSlowestRecorded_hz = 1.0, kFastestRecorded_hz = 2000.0;
+
+/// The rate at which cameras and trackers run that is within half a per cent; nothing where none is.
+std::optional<double> NearestUsualRate(double hz);
+
+/// "rate_implausible", an error whose value is the rate: a rate of no recording, 1 Hz and less or more than
+/// 2000. The message says as what the number of the file would be a usual rate: the other of both words, or
+/// milliseconds. `place`: file and line or field. Nothing of a rate that the source declares.
+std::optional<Finding> CheckStatedRate(double hz, RateUnit word, const std::string& place);
 
 }  // namespace mocurate

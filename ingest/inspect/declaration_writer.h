@@ -9,6 +9,7 @@
 #include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "ingest/inspect/clip_consensus.h"
+#include "ingest/inspect/file_names.h"
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/options.h"
 
@@ -57,7 +58,6 @@ class DeclarationWriter {
     out_.unknown.push_back(key);
     List(key, {std::string(kFillIn)}, "unknown: " + why);
   }
-  void UnknownJoints() { UnknownList("joints", "names in the order of the file, \"-\" for what is no joint"); }
   void List(const std::string& key, const std::vector<std::string>& texts, const std::string& comment) {
     Comment(comment);
     std::string line = "    " + key + ": [";
@@ -84,14 +84,6 @@ class DeclarationWriter {
 /// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
 std::optional<std::string> AxesFrom(const std::string& up, bool right);
 
-/// Names of files directly in a folder below `path`, sorted.
-std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
-                                 const std::set<std::string>& endings);
-
-/// The folder below `path` that an inspection's `file` names: one there, that of a file there, and "" for `path`
-/// itself, which an inspection calls by its own name.
-std::string Below(const std::filesystem::path& path, const std::string& file);
-
 /// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
 void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
 
@@ -109,13 +101,6 @@ std::string EstimateImages(const std::vector<std::string>& names, const std::vec
 /// folder of each {recording} where the keypoints are. Empty where there are none.
 std::string EstimateDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording);
 
-/// `from` in `text` becomes `to` where it stands as whole words and numbers: "p" in "p_01" and "p01", not in "depth".
-void ReplaceParts(std::string& text, const std::string& from, const std::string& to);
-
-/// Names of images below a folder, of depth (16 bits) or not, sorted, the first few thousand. `part`: of those alone in
-/// whose name it stands as whole words and numbers; empty: of all.
-std::vector<std::string> ImagesBelow(const std::filesystem::path& folder, bool depth, const std::string& part = "");
-
 /// Pattern of the depth images of the sequences whose JSON are the files `names` below `path`: one that, with the
 /// fields of `files` (the pattern of these), gives no image to two of them, and most of them images of all their views.
 /// Error kNotFound where no name of an image is like a view's, kInconsistent where no pattern keeps the sequences'
@@ -130,5 +115,23 @@ bool IsDepthViews(const Inspection& inspection);
 void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
 /// The same of a folder of point clouds.
 void WriteClouds(const Inspection& inspection, DeclarationWriter& writer);
+
+/// The folder that a source stands in: the one that was asked about, or the one above where that holds what belongs to
+/// its clips.
+struct SourceRoot {
+  std::filesystem::path folder;
+  std::string prefix;  ///< of the names below the folder that was asked about: empty, or "single/"
+};
+
+/// Of motions whose skeletons (fact "skeleton_file") lie in the folder above all of them.
+SourceRoot RootOfSkeletons(const ClipConsensus& source, const std::filesystem::path& folder);
+
+/// Where no cameras are in the inspection: those of the files directly in the folder above, added to it, if there are.
+SourceRoot RootOfCameras(const std::filesystem::path& folder, Inspection& inspection);
+
+/// What names tell: `files`, with what belongs to them (skeletons, images, the container), `person` and `label`.
+/// `asked`: the file or folder that was inspected.
+void WriteNames(const ClipConsensus& source, const std::string& format, const std::filesystem::path& asked,
+                const SourceRoot& root, DeclarationWriter& writer);
 
 }  // namespace mocurate

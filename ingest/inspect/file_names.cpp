@@ -1,6 +1,7 @@
 #include "ingest/inspect/file_names.h"
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <set>
 
@@ -87,6 +88,51 @@ NamePatternEstimate Unlike(const Pieces& first) {
   guessed.fields.emplace_back("clip");
   guessed.pattern += "{clip}" + first.ending;
   return guessed;
+}
+
+/// "cam01.0000.json" as "cam01.", "0000", ".json".
+struct FrameSplit {
+  std::string before;
+  std::string after;
+};
+
+std::optional<FrameSplit> AtFrame(const std::string& file) {
+  const std::size_t dot = std::min(file.rfind('.'), file.size());
+  std::size_t end = dot;
+  while (end > 0 && !IsDigit(file[end - 1])) --end;
+  if (end == 0) return std::nullopt;
+  std::size_t begin = end;
+  while (begin > 0 && IsDigit(file[begin - 1])) --begin;
+  return FrameSplit{file.substr(0, begin), file.substr(end)};
+}
+
+/// The beginning that folder and file share, up to its last letter or digit.
+std::string Shared(const std::string& folder, const std::string& file) {
+  std::size_t length = 0;
+  while (length < folder.size() && length < file.size() && folder[length] == file[length]) ++length;
+  while (length > 0 && !IsAlnum(folder[length - 1])) --length;
+  return folder.substr(0, length);
+}
+
+std::string GroupedPattern(const std::string& name, bool cameras) {
+  const std::vector<std::string_view> parts = SplitText(name, '/');
+  const std::optional<FrameSplit> split = AtFrame(std::string(parts.back()));
+  if (!split) return {};
+  const std::string folder(parts.size() > 1 ? parts[parts.size() - 2] : "");
+  const std::size_t above = parts.size() < 2 ? 0 : parts.size() - 2;
+  std::string last = folder.empty() ? "" : "{recording}/";
+  std::string before = split->before;
+  if (cameras && !folder.empty()) {
+    const std::string camera = Shared(folder, before);
+    last = camera.empty() ? "{camera}/" : "{camera}" + folder.substr(camera.size()) + "/";
+    if (!camera.empty()) before = "{camera}" + before.substr(camera.size());
+  }
+  std::string pattern;
+  for (std::size_t i = 0; i < above; ++i) {
+    const bool nearest = i + 1 == above && cameras;
+    pattern += nearest ? "{recording}/" : "{group" + (above > 2 ? std::to_string(i) : std::string()) + "}/";
+  }
+  return pattern + last + before + "{frame}" + split->after;
 }
 
 }  // namespace
@@ -177,6 +223,53 @@ std::optional<std::string> EstimateCompanionPattern(const NamePatternEstimate& g
     if (fits && asked) return text;
   }
   return std::nullopt;
+}
+
+CameraNames NamesOfCameras(const std::vector<std::string>& all) {
+  CameraNames names;
+  std::vector<std::string> files;
+  for (const std::string& file : all) {
+    if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  }
+  if (files.empty()) return names;
+  std::size_t before = files[0].size(), after = files[0].size(), shortest = files[0].size();
+  for (const std::string& file : files) {
+    shortest = std::min(shortest, file.size());
+    std::size_t same = 0;
+    while (same < std::min(before, file.size()) && file[same] == files[0][same]) ++same;
+    before = same;
+    same = 0;
+    while (same < std::min(after, file.size()) &&
+           file[file.size() - 1 - same] == files[0][files[0].size() - 1 - same]) {
+      ++same;
+    }
+    after = same;
+  }
+  // A number or word belongs to the camera as a whole.
+  while (before > 0 && IsAlnum(files[0][before - 1])) --before;
+  after = std::min(after, shortest - before);
+  while (after > 0 && IsAlnum(files[0][files[0].size() - after])) --after;
+  if (files.size() == 1) before = 0, after = files[0].size() - std::min(files[0].find_last_of('.'), files[0].size());
+  names.before = files[0].substr(0, before);
+  names.after = files[0].substr(files[0].size() - after);
+  for (const std::string& file : files) names.cameras.push_back(file.substr(before, file.size() - before - after));
+  return names;
+}
+
+std::optional<FramePattern> EstimateFramePattern(const std::vector<std::string>& files, bool cameras) {
+  FramePattern best;
+  for (const std::string& file : files) {
+    const std::string text = GroupedPattern(file, cameras);
+    if (text.empty() || text == best.pattern) continue;
+    const auto pattern = NamePattern::Parse(text, "ingest.source.files");
+    if (!pattern) continue;
+    const auto matching = static_cast<std::size_t>(std::count_if(
+        files.begin(), files.end(), [&](const std::string& name) { return pattern->Match(name).has_value(); }));
+    if (matching <= best.matching) continue;
+    best = {text, text.find("{recording}") != std::string::npos, matching};
+  }
+  if (2 * best.matching < files.size() || best.matching == 0) return std::nullopt;
+  return best;
 }
 
 }  // namespace mocurate

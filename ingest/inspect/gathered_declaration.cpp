@@ -6,7 +6,6 @@
 #include "ingest/folder_listing.h"
 #include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/file_names.h"
-#include "ingest/inspect/gathered_names.h"
 
 namespace mocurate {
 namespace {
@@ -30,8 +29,7 @@ std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, b
   return guessed;
 }
 
-}  // namespace
-
+/// Names of files directly in a folder below `path`, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
                                  const std::set<std::string>& endings) {
   std::vector<std::string> names;
@@ -42,6 +40,8 @@ std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::s
   return names;
 }
 
+/// The folder below `path` that an inspection's `file` names: one there, that of a file there, and "" for `path`
+/// itself, which an inspection calls by its own name.
 std::string Below(const std::filesystem::path& path, const std::string& file) {
   std::error_code unknown;
   if (file.empty() || file == ".") return "";
@@ -50,6 +50,8 @@ std::string Below(const std::filesystem::path& path, const std::string& file) {
   const std::size_t slash = file.rfind('/');
   return slash == std::string::npos ? "" : file.substr(0, slash);
 }
+
+}  // namespace
 
 void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
   if (inspection.cameras.empty()) {

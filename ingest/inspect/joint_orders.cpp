@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/base/median.h"
+#include "ingest/sources/ntu_people.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/synthetic/tracker.h"
 
@@ -73,11 +74,7 @@ const std::vector<JointOrder>& KnownJointOrders() {
                                "right_wrist", "right_hand", "left_hip",        "left_knee",      "left_ankle",
                                "left_foot",   "right_hip",  "right_knee",      "right_ankle",    "right_foot"}},
       {"studio", "kinect20", TrackedJoints()},
-      {"kinect2", "ntu25", {"spine_base",     "spine_mid",     "neck",       "head",           "left_shoulder",
-                            "left_elbow",     "left_wrist",    "left_hand",  "right_shoulder", "right_elbow",
-                            "right_wrist",    "right_hand",    "left_hip",   "left_knee",      "left_ankle",
-                            "left_foot",      "right_hip",     "right_knee", "right_ankle",    "right_foot",
-                            "spine_shoulder", "left_hand_tip", "left_thumb", "right_hand_tip", "right_thumb"}},
+      {"kinect2", "ntu25", NtuJointNames()},
       {"body_25b",
        "openni15",
        {"nose",       "left_eye",      "right_eye",       "left_ear",    "right_ear", "left_shoulder", "right_shoulder",

@@ -1,13 +1,73 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
-#include "ingest/checks/joint_order_checks.h"
+#include "core/motion/joint_namespace.h"
+#include "core/motion/limbs.h"
+#include "core/motion/skeleton.h"
+#include "core/quality/tracked_points.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/inspect/raw_clip.h"
 
 namespace mocurate {
 namespace {
+
+constexpr int kMinGuessedFrames = 8;          // fewer tell no spread of lengths
+constexpr double kHeadBelow = -0.2;           // cosine of trunk and head
+constexpr double kMuchBetterExchanged = 0.6;  // of the score, with two points exchanged
+constexpr double kClearlyBetter =
+    0.06;  // that it falls by; of recorded clips (KARD, Florence3D, MSR, UTKinect) by 0.055 at most, to 0.7
+
+/// Median cosine between the directions from hips to shoulders and from shoulders to head; nothing where the points are
+/// not there or seen together in too few frames.
+std::optional<double> HeadOverShoulders(const RawClip& clip) {
+  const BodyLandmarks& p = clip.points;
+  const int wanted[] = {p.head, p.hip[0], p.hip[1], p.shoulder[0], p.shoulder[1]};
+  if (std::any_of(std::begin(wanted), std::end(wanted), [](int point) { return point < 0; })) return std::nullopt;
+  std::vector<double> cosines;
+  for (int f = 0; f < clip.positions.frames; ++f) {
+    const auto seen = [&](int point) {
+      const std::size_t at = static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.positions.joints) +
+                             static_cast<std::size_t>(point);
+      return clip.confidence.empty() || clip.confidence[at] > 0.0;
+    };
+    if (!std::all_of(std::begin(wanted), std::end(wanted), seen)) continue;
+    const auto at = [&](int point) { return Vector3d(clip.positions.at(f, point)); };
+    const Vector3d shoulders = 0.5 * (at(p.shoulder[0]) + at(p.shoulder[1]));
+    const Vector3d trunk = shoulders - 0.5 * (at(p.hip[0]) + at(p.hip[1])), head = at(p.head) - shoulders;
+    if (trunk.norm() > 0.0 && head.norm() > 0.0) cosines.push_back(trunk.dot(head) / (trunk.norm() * head.norm()));
+  }
+  if (static_cast<int>(cosines.size()) < kMinGuessedFrames) return std::nullopt;
+  return Median(cosines);
+}
+
+std::string TenthsOfPercent(double share) { return FormatDouble(std::round(1000.0 * share) / 10.0) + " %"; }
+
+/// What a clip shows against the names of its points, with `score` of `bones` in that order: the head lies on the hips'
+/// side of the shoulders, or two points that change their names make a much better body. Nothing of fewer than 8
+/// frames.
+std::optional<std::string> CheckJointOrder(const RawClip& clip, const BodyScore& score,
+                                           const std::vector<RawBone>& bones) {
+  if (clip.frames < kMinGuessedFrames) return std::nullopt;
+  if (const auto head = HeadOverShoulders(clip); head && *head < kHeadBelow) {
+    return "the head would lie below the shoulders, on the side of the hips (cosine " + Digits(*head) +
+           " in the median frame)";
+  }
+  const std::optional<PointExchange> exchange = BestExchange(clip.positions, clip.confidence, bones);
+  if (!exchange) return std::nullopt;
+  const double total = exchange->score.total();
+  if (total > kMuchBetterExchanged * score.total() || total > score.total() - kClearlyBetter) return std::nullopt;
+  const auto name = [&](int point) { return "'" + clip.names[static_cast<std::size_t>(point)] + "'"; };
+  return "with " + name(exchange->first) + " and " + name(exchange->second) +
+         " exchanged bones change their length by " + TenthsOfPercent(exchange->score.spread) +
+         " and proportions are off by " + TenthsOfPercent(exchange->score.proportion) + ", as they are named by " +
+         TenthsOfPercent(score.spread) + " and " + TenthsOfPercent(score.proportion);
+}
 
 constexpr int kFewestNamedFrames = 8;  // fewer tell no spread of lengths
 
@@ -36,6 +96,33 @@ std::optional<std::string> NameInOrder(const OrderScore& order, RawClip& clip) {
   clip.names = order.order->joints;
   clip.points = PointsByName(clip.names, skeleton);
   return CheckJointOrder(clip, order.score, BonesOf(clip.names, skeleton));
+}
+
+/// The points of a tree with undeclared names: knees, elbows and head by name, their neighbours by the tree,
+/// as exporters agree on the former only. Sides by "left" and "right" or a lone L and R ("LeftLeg", "lShin", "Hand_R").
+BodyLandmarks PointsOfTree(const std::vector<std::string>& whole_names, const std::vector<int>& parents) {
+  const std::vector<std::string> names = WithoutNamespace(whole_names);
+  Skeleton tree;
+  BodyLandmarks points;
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = parents[j];
+    tree.joints.push_back(joint);
+    const bool head = names[j].find("head") != std::string::npos || names[j].find("Head") != std::string::npos;
+    if (points.head < 0 && head) points.head = static_cast<int>(j);
+  }
+  const Limbs limbs = LimbsOf(tree);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Limb& leg = limbs.leg[side];
+    points.knee[side] = leg.middle;
+    points.hip[side] = leg.root;
+    points.ankle[side] = leg.end;
+    points.toe[side] = leg.tip;
+    points.shoulder[side] = limbs.arm[side].root;
+    points.wrist[side] = limbs.arm[side].end;
+  }
+  return points;
 }
 
 }  // namespace
@@ -133,6 +220,63 @@ void FollowFormat(const std::string& skeleton, const std::vector<std::string>& j
   clip.skeleton = AsDeclared(skeleton, evidence);
   clip.names = joints;
   if (const auto known = KnownSkeleton(skeleton)) clip.points = PointsByName(joints, **known);
+}
+
+BodyLandmarks PointsOfBody(const Skeleton& skeleton) {
+  const BodyLandmarks known = FindHandednessPoints([&](std::string_view name) { return skeleton.FindJoint(name); });
+  if (known.knee[0] >= 0 && known.knee[1] >= 0) return known;
+  std::vector<std::string> names;
+  std::vector<int> parents;
+  for (const Joint& joint : skeleton.joints) {
+    names.push_back(joint.name);
+    parents.push_back(joint.parent);
+  }
+  return PointsOfTree(names, parents);
+}
+
+BodyLandmarks PointsOfBody(const std::vector<std::string>& names, const Skeleton* skeleton) {
+  const auto find = [&](std::string_view name) -> std::optional<int> {
+    const std::optional<int> joint = skeleton != nullptr ? skeleton->FindJoint(name) : std::nullopt;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      if (names[k] == name) return static_cast<int>(k);
+      if (joint && skeleton->FindJoint(names[k]) == joint) return static_cast<int>(k);
+    }
+    return std::nullopt;
+  };
+  return FindHandednessPoints([&](std::string_view name) {
+    const std::optional<int> point = find(name);
+    return point || name != "head" ? point : find("nose");
+  });
+}
+
+/// Whether every joint hangs from the same joint as its namesake.
+bool HangsAlike(const std::vector<std::string>& names, const std::vector<int>& parents, const Skeleton& skeleton) {
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    const int above = skeleton.joints[static_cast<std::size_t>(*skeleton.FindJoint(names[j]))].parent;
+    const int expected = parents[j] < 0 ? -1 : *skeleton.FindJoint(names[static_cast<std::size_t>(parents[j])]);
+    if (above != expected) return false;
+  }
+  return true;
+}
+
+void FollowTree(const std::vector<int>& parents, const std::string& evidence, RawClip& clip) {
+  clip.parents = parents;
+  clip.points = PointsOfTree(clip.names, parents);
+  clip.skeleton = AsDeclared("own tree of " + std::to_string(clip.joints) + " joints", evidence);
+  for (const char* known : {"bandai22", "cmu31", "smpl24"}) {
+    const auto skeleton = KnownSkeleton(known);
+    if (!skeleton || (*skeleton)->joint_count() != clip.joints) continue;
+    const std::vector<std::string> names = NamesIn(**skeleton, clip.names);
+    const bool same = std::all_of(names.begin(), names.end(),
+                                  [&](const std::string& joint) { return (*skeleton)->FindJoint(joint).has_value(); });
+    if (!same) continue;
+    if (HangsAlike(names, parents, **skeleton)) {
+      clip.skeleton.value = known;
+    } else {
+      clip.skeleton.evidence = evidence + ": joints named as in '" + known + "', some hang from others than there";
+    }
+    if (clip.points.knee[0] < 0) FollowFormat(known, names, evidence, clip);
+  }
 }
 
 }  // namespace mocurate

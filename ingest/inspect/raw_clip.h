@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,6 +8,8 @@
 #include <vector>
 
 #include "core/base/finding.h"
+#include "core/motion/skeleton.h"
+#include "core/quality/handedness.h"
 #include "ingest/checks/root_scale.h"
 #include "ingest/inspect/inspection.h"
 #include "ingest/inspect/joint_orders.h"
@@ -56,6 +59,12 @@ struct RawClip {
   std::string axes;  ///< as a source says them
   std::vector<Finding> remarks;
 
+  /// Nothing is seen in these frames.
+  void SetMissing(const std::vector<int>& lost) {
+    if (!lost.empty()) confidence.assign(positions.xyz.size() / 3, 1.0);
+    for (const int f : lost)
+      std::fill_n(confidence.begin() + static_cast<std::ptrdiff_t>(f) * positions.joints, positions.joints, 0.0);
+  }
   void AddRemarks(const std::vector<Finding>& more) { remarks.insert(remarks.end(), more.begin(), more.end()); }
 };
 
@@ -73,5 +82,12 @@ void FollowFormat(const std::string& skeleton, const std::vector<std::string>& j
 /// A tree with names: a skeleton of configs/skeletons if all its names are that one's, else one of the file's own.
 /// Names and their number must be set; points are set.
 void FollowTree(const std::vector<int>& parents, const std::string& evidence, RawClip& clip);
+
+/// The points of a skeleton: by the names that all skeletons share, or, in a tree of a file's own, by what its names
+/// look like.
+BodyLandmarks PointsOfBody(const Skeleton& skeleton);
+/// Of tracks with these names: joints of `skeleton` (may be null) by any of their names. Detectors' layouts have no
+/// head; their nose is taken.
+BodyLandmarks PointsOfBody(const std::vector<std::string>& names, const Skeleton* skeleton);
 
 }  // namespace mocurate

@@ -6,11 +6,12 @@
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/pickle.h"
 #include "core/formats/vibe_pickle.h"
-#include "ingest/checks/angle_checks.h"
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/inspect/file_kind.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/people/uestc.h"
+#include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
@@ -56,6 +57,34 @@ BodyLandmarks PointsOfSpin() {
   points.shoulder[0] = 5, points.shoulder[1] = 2;
   points.wrist[0] = 7, points.wrist[1] = 4;
   return points;
+}
+
+/// What info/ beside `cache` says of its clips, if it is there: their names and classes as facts;
+/// "count_contradiction" of a video, or of the file where it holds others than are named.
+void CompareUestcInfo(const std::filesystem::path& cache, RawFile& observed) {
+  std::error_code unknown;
+  const std::filesystem::path folder = cache.has_parent_path() ? cache.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder / "info", unknown)) return;
+  const Expected<UestcFolder> info = ReadUestcFolder(folder);
+  if (!info) {
+    observed.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, info.error().Message()));
+    return;
+  }
+  const std::size_t videos = info->videos.size();
+  if (videos != observed.clips.size()) {
+    observed.remarks.push_back(MakeFinding("count_contradiction", Severity::kError, static_cast<double>(videos),
+                                           "info/names.txt names " + std::to_string(videos) +
+                                               " videos, the cache holds " + std::to_string(observed.clips.size()) +
+                                               ": which name is whose is not known; copy both from one place again"));
+    return;
+  }
+  for (std::size_t i = 0; i < videos; ++i) {
+    RawClip& clip = observed.clips[i];
+    clip.facts.emplace_back("video", info->videos[i].Name());
+    clip.facts.emplace_back("label", info->actions[static_cast<std::size_t>(info->videos[i].action)]);
+    const auto doubt = CheckFrameCount(info->frames[i], static_cast<std::size_t>(clip.frames), static_cast<int>(i));
+    if (doubt) clip.remarks.push_back(*doubt);
+  }
 }
 
 Expected<RawFile> VibeCacheIn(const FileBytes& file) {
@@ -117,9 +146,7 @@ RawClip ReadRawHumanAct12Clip(const HumanAct12Clip& source) {
   clip.layout_evidence = "list joints3D of the file";
   clip.facts.emplace_back("label", std::to_string(source.label));
   clip.units = "m";
-  for (const JointOrder& order : KnownJointOrders()) {
-    if (order.name == "smpl") FollowFormat(order.skeleton, order.joints, "24 joints of SMPL", clip);
-  }
+  FollowFormat("smpl24", {std::begin(kSmplJointNames), std::end(kSmplJointNames)}, "24 joints of SMPL", clip);
   return clip;
 }
 
@@ -130,10 +157,7 @@ RawClip ReadRawVibeTrack(const VibeTrack& track, const std::string& format) {
   clip.layout_evidence = "arrays of the file";
   clip.units = "m";
   clip.facts.emplace_back("track", std::to_string(track.id));
-  if (const std::optional<Finding> invalid_poses = CheckAngleUnits(track)) {
-    clip.remarks.push_back(
-        MakeFinding(invalid_poses->code, invalid_poses->severity, invalid_poses->value, invalid_poses->message));
-  }
+  if (const std::optional<Finding> invalid_poses = CheckAngleUnits(track)) clip.remarks.push_back(*invalid_poses);
   if (const auto places = CameraPlaces(track.original_camera); !places) {
     clip.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, places.error().Message()));
   }
@@ -200,32 +224,6 @@ Expected<RawFile> ReadRawUestcInfo(const FileBytes& file) {
     companion.numbers = {{"classes", static_cast<double>(actions->size())}};
   }
   return RawFile::Of(std::move(companion));
-}
-
-void CompareUestcInfo(const std::filesystem::path& cache, RawFile& observed) {
-  std::error_code unknown;
-  const std::filesystem::path folder = cache.has_parent_path() ? cache.parent_path() : ".";
-  if (!std::filesystem::is_directory(folder / "info", unknown)) return;
-  const Expected<UestcFolder> info = ReadUestcFolder(folder);
-  if (!info) {
-    observed.remarks.push_back(MakeFinding("malformed", Severity::kError, 0.0, info.error().Message()));
-    return;
-  }
-  const std::size_t videos = info->videos.size();
-  if (videos != observed.clips.size()) {
-    observed.remarks.push_back(MakeFinding("count_contradiction", Severity::kError, static_cast<double>(videos),
-                                           "info/names.txt names " + std::to_string(videos) +
-                                               " videos, the cache holds " + std::to_string(observed.clips.size()) +
-                                               ": which name is whose is not known; copy both from one place again"));
-    return;
-  }
-  for (std::size_t i = 0; i < videos; ++i) {
-    RawClip& clip = observed.clips[i];
-    clip.facts.emplace_back("video", info->videos[i].Name());
-    clip.facts.emplace_back("label", info->actions[static_cast<std::size_t>(info->videos[i].action)]);
-    const auto doubt = CheckFrameCount(info->frames[i], static_cast<std::size_t>(clip.frames), static_cast<int>(i));
-    if (doubt) clip.remarks.push_back(*doubt);
-  }
 }
 
 }  // namespace mocurate

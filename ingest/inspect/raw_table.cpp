@@ -9,7 +9,6 @@
 #include "ingest/inspect/read_raw.h"
 #include "ingest/inspect/table_readings.h"
 #include "ingest/sources/source_file.h"
-#include "ingest/sources/table_rows.h"
 
 namespace mocurate {
 namespace {
@@ -107,6 +106,11 @@ void ReportGuessedConfidence(RawClip& clip) {
 }
 
 }  // namespace
+
+Finding DecimalCommas() {
+  return MakeFinding("decimal_comma", Severity::kInfo, 0.0, "numbers have a decimal comma (1,5); it is read as a point",
+                     FindingAction::kRepaired);
+}
 
 Expected<RawFile> ReadRawTable(const FileBytes& file) {
   const auto& [bytes, name, path] = file;

@@ -8,7 +8,7 @@
 #include "core/formats/opensim_table.h"
 #include "core/formats/row_counter.h"
 #include "core/quality/tracked_points.h"
-#include "ingest/checks/angle_checks.h"
+#include "ingest/checks/unit_checks.h"
 #include "ingest/inspect/read_raw.h"
 
 namespace mocurate {

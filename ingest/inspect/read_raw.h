@@ -5,17 +5,19 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/base/error.h"
+#include "core/base/finding.h"
 #include "core/formats/calibration.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"
 #include "core/formats/openpose.h"
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
-#include "ingest/inspect/frame_names.h"
+#include "ingest/checks/keypoint_checks.h"
 #include "ingest/inspect/inspection.h"
-#include "ingest/inspect/keypoint_layout_estimate.h"
 #include "ingest/inspect/raw_clip.h"
 #include "ingest/sources/array_clips.h"
 
@@ -71,6 +73,32 @@ struct FileBytes {
   std::filesystem::path path;
 };
 
+/// Names of files of one frame each: the last number in a name is the frame's. Files whose names differ in another
+/// place as well are of different sequences.
+class FrameNames {
+ public:
+  struct Sequence {
+    std::map<long long, std::string> files;                     ///< by number
+    std::map<long long, std::pair<std::string, Error>> broken;  ///< that could not be read
+    long long first() const;
+    long long last() const;
+  };
+
+  /// A name without a number is skipped.
+  void Add(const std::string& name);
+  /// False where no sequence has such names.
+  bool AddBroken(const std::string& name, const Error& error);
+  const std::map<std::string, Sequence>& sequences() const { return sequences_; }
+
+  /// "frames_missing" and "unreadable_frames", as a run tells them; "malformed" of files of one frame. Frames that are
+  /// missing at the ends are those that at least two of `beside`, views of the same recording, both begin and end with.
+  std::vector<Finding> MissingFrames(const std::vector<const FrameNames*>& beside) const;
+
+ private:
+  std::vector<std::pair<std::string, std::string>> twice_;  ///< and the file that has the frame already
+  std::map<std::string, Sequence> sequences_;               ///< by the name with '#' for the number
+};
+
 /// Files that say something only together: images' keypoints, moments of a scene, views of a turntable. Given one by
 /// one in order of their names.
 class RawSequences {
@@ -94,7 +122,7 @@ class RawSequences {
   struct Folder {
     std::vector<OpenPoseFrame> keypoints;
     std::vector<std::string> keypoint_files;  ///< (keypoints)
-    PointsOfFiles unsure, not_finite;         ///< of the keypoints
+    PointsNotSeen unseen;                     ///< of the keypoints
     std::vector<PanopticBodies> scenes;
     FrameNames frames;
     std::vector<std::pair<std::string, std::string>> storages;  ///< name, bytes
@@ -115,6 +143,8 @@ Expected<RawFile> ReadRawFile(const FileBytes& file);
 /// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name);
 Expected<RawFile> ReadRawTable(const FileBytes& file);
+/// "decimal_comma": a table with decimal commas, which are read as points.
+Finding DecimalCommas();
 /// The joints of a file of `mocurate export`, as it names them.
 Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::string& name);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.
@@ -129,16 +159,8 @@ RawClip ReadRawHumanAct12Clip(const HumanAct12Clip& source);
 /// Whether the file is one of the lists of info/ beside UESTC's cache: by its name, and names of videos in names.txt.
 bool IsUestcInfo(const std::filesystem::path& path);
 Expected<RawFile> ReadRawUestcInfo(const FileBytes& file);
-/// What info/ beside `cache` says of its clips, if it is there: their names and classes as facts;
-/// "count_contradiction" of a video, or of the file where it holds others than are named.
-void CompareUestcInfo(const std::filesystem::path& cache, RawFile& observed);
 Expected<RawFile> ReadRawBabel(const FileBytes& file);
 Expected<RawFile> ReadRawCalibration(const FileBytes& file);
 Expected<RawFile> ReadRawOpenSim(const FileBytes& file);
-
-/// Keypoints of a folder's images; `everybody`: of all folders with the same detector, for the layout.
-RawClip ReadRawKeypoints(const std::vector<OpenPoseFrame>& frames, const std::vector<OpenPosePerson>& everybody);
-/// A clip per body of a scene.
-std::vector<RawClip> ReadRawPanoptic(const std::vector<PanopticBodies>& scenes);
 
 }  // namespace mocurate

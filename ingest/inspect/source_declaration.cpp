@@ -4,22 +4,68 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "core/base/file.h"
+#include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/chosen_clips.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/declaration_writer.h"
-#include "ingest/inspect/declared_names.h"
-#include "ingest/inspect/fitted_skeleton.h"
-#include "ingest/inspect/source_root.h"
 #include "ingest/options.h"
 #include "ingest/sources/babel_segments.h"
 
 namespace mocurate {
 namespace {
+
+constexpr const char* kUsualSkeleton = "smpl24";
+constexpr const char* kFolder = "skeletons/";
+constexpr double kNearHips = 0.1;  // metres, in the rest pose
+
+bool HoldsAll(const std::vector<std::string>& joints, const Skeleton& skeleton) {
+  std::set<int> taken;
+  for (const std::string& name : joints) {
+    if (name.empty() || name == "-") continue;
+    const auto is_it = [&](const Landmark& landmark) { return landmark.name == name; };
+    if (std::any_of(skeleton.landmarks.begin(), skeleton.landmarks.end(), is_it)) continue;
+    const auto joint = skeleton.FindJoint(name);
+    if (!joint || !taken.insert(*joint).second) return false;
+  }
+  return !taken.empty();
+}
+
+bool RootBetweenHips(const Skeleton& skeleton) {
+  const auto hips = skeleton.Hips();
+  if (!hips) return false;
+  Vector3d middle = Vector3d::Zero();
+  for (const int hip : *hips) {
+    for (int joint = hip; joint > 0; joint = skeleton.joints[static_cast<std::size_t>(joint)].parent)
+      middle += 0.5 * skeleton.joints[static_cast<std::size_t>(joint)].rest_offset;
+  }
+  return middle.norm() < kNearHips;
+}
+
+/// The skeleton of configs/skeletons/ to fit tracks of these joints with: one that has them all, each once, and its
+/// root between the hips. "smpl24" where it does; else the one of fewest joints; empty where none does. "" and "-" are
+/// no joints.
+std::string FittedSkeleton(const std::vector<std::string>& joints) {
+  const Expected<SkeletonPtr> usual = LoadSkeleton(kUsualSkeleton);
+  if (usual && HoldsAll(joints, **usual)) return kUsualSkeleton;
+  SkeletonPtr best;
+  for (const std::string& path : ResourcePaths()) {
+    const std::string file = path.rfind(kFolder, 0) == 0 ? path.substr(std::string(kFolder).size()) : "";
+    const std::size_t ending = file.rfind(".yaml");
+    if (ending == std::string::npos) continue;
+    const Expected<SkeletonPtr> skeleton = LoadSkeleton(file.substr(0, ending));
+    if (!skeleton || !HoldsAll(joints, **skeleton) || !RootBetweenHips(**skeleton)) continue;
+    if (!best || (*skeleton)->joint_count() < best->joint_count()) best = *skeleton;
+  }
+  return best ? best->name : "";
+}
 
 constexpr double kFacingHabit = 0.6;   // share of votes that face one way, below which facing is no habit of the source
 constexpr double kFewestVoters = 0.1;  // share of clips that must show something, to be believed of all
@@ -157,7 +203,8 @@ void WriteSkeleton(const ClipConsensus& source, const std::string& format, Decla
   if (format == "depth_sequence") return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
   if (!skeleton.value) {
     writer.Unknown("skeleton", skeleton.comment);
-    if (format != "ntu_skeleton") writer.UnknownJoints();
+    if (format != "ntu_skeleton")
+      writer.UnknownList("joints", "names in the order of the file, \"-\" for what is no joint");
     return;
   }
   if (LoadSkeleton(*skeleton.value)) {

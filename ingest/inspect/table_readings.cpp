@@ -7,7 +7,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/row_counter.h"
-#include "ingest/checks/rate_checks.h"
+#include "ingest/inspect/comparison.h"
 
 namespace mocurate {
 namespace {
@@ -254,7 +254,7 @@ RawClip ReadRows(const JointTable& rows, const RowLayout& layout) {
   for (int f = 0; f < clip.frames; ++f) {
     for (int j = 0; j < clip.joints; ++j) {
       const TableCell place = CellOfJoint(layout, f, j);
-      const auto number = [&](int axis) { return rows.at(place.row, 0, place.column + layout.axis[axis]); };
+      const auto number = [&](int axis) { return rows.at(place.row, 0, place.column + axis); };
       const Vector3d value(number(0), number(1), number(2));
       const std::size_t at =
           static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);

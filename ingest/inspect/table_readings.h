@@ -19,7 +19,6 @@ struct RowLayout {
   int columns_per_joint = 3;
   std::vector<int> x_columns;  ///< (joints) where it is irregular: column of x
   std::string words;
-  int axis[3] = {0, 1, 2};  ///< columns of x, y, z after the joint's first
 };
 
 RawClip ReadRows(const JointTable& rows, const RowLayout& layout);

@@ -1,4 +1,4 @@
-#include "ingest/people/choose_people.h"
+#include "ingest/people/person_tracks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -161,12 +161,11 @@ void NoteOthers(const People& people, std::size_t wanted, std::vector<Finding>& 
   for (const PersonTrack& track : people.others) {
     which += (which.empty() ? "" : ", ") + track.Name() + " in " + std::to_string(track.frames.size()) + " frames";
   }
-  Finding finding = FrameFinding("bodies_skipped", 0, 0, "", static_cast<double>(left),
+  findings.push_back(MakeFinding("bodies_skipped", Severity::kWarning, static_cast<double>(left),
                                  "the file holds " + std::to_string(left + people.chosen.size()) +
                                      " people, ingest.source.bodies asks for " + std::to_string(wanted) + "; " +
-                                     std::to_string(left) + " not taken: " + which);
-  finding.action = FindingAction::kExcluded;
-  findings.push_back(std::move(finding));
+                                     std::to_string(left) + " not taken: " + which,
+                                 FindingAction::kExcluded));
 }
 
 void NoteSecondPerson(const People& people, std::size_t wanted, int frames, std::vector<Finding>& findings) {

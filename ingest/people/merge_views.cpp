@@ -129,23 +129,15 @@ void NoteUsed(const CameraPeople& camera, const std::string& reference, ViewAlig
   view.offset_s -= declared_s;
   const double ms = 1e3 * view.offset_s;
   if (view.offset_known && std::abs(view.offset_s) >= kLateFrames / rate_hz) {
-    NoteCapture(findings, "clock_offset", std::abs(view.offset_s) > kVeryLate_s ? Severity::kWarning : Severity::kInfo,
-                ms,
-                camera.view + " began " + Digits(std::abs(ms)) + " ms " + (ms > 0.0 ? "after " : "before ") +
-                    reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms" + "; taken out",
-                FindingAction::kKept);
+    findings.push_back(
+        MakeFinding("clock_offset", std::abs(view.offset_s) > kVeryLate_s ? Severity::kWarning : Severity::kInfo, ms,
+                    camera.view + " began " + Digits(std::abs(ms)) + " ms " + (ms > 0.0 ? "after " : "before ") +
+                        reference + ", give or take " + Digits(1e3 * view.offset_sigma_s) + " ms" + "; taken out",
+                    FindingAction::kKept));
   }
 }
 
 }  // namespace
-
-void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
-                 FindingAction action) {
-  Finding finding = FrameFinding(code, 0, 0, "", value, std::move(message));
-  finding.severity = severity;
-  finding.action = action;
-  findings.push_back(std::move(finding));
-}
 
 Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const ViewOptions& options, double rate_hz,
                                  const std::string& where) {
@@ -159,9 +151,10 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
       seeing.push_back(i);
       continue;
     }
-    NoteCapture(placed.findings, "no_person_in_view", Severity::kWarning, cameras[i].frames,
-                cameras[i].view + " observed no person in its " + std::to_string(cameras[i].frames) + " frames",
-                FindingAction::kExcluded);
+    placed.findings.push_back(
+        MakeFinding("no_person_in_view", Severity::kWarning, cameras[i].frames,
+                    cameras[i].view + " observed no person in its " + std::to_string(cameras[i].frames) + " frames",
+                    FindingAction::kExcluded));
   }
   if (seeing.empty()) {
     return Fail(ErrorCode::kInconsistent, "no camera observed a person", where,
@@ -218,10 +211,10 @@ Expected<PlacedViews> PlaceViews(const std::vector<CameraPeople>& cameras, const
     }
     const Pair pair = AlignPair(reference, cameras[i], slots, rate_hz, options.max_offset_s);
     if (!Agrees(pair, options)) {
-      NoteCapture(placed.findings, "view_excluded", Severity::kWarning,
-                  pair.alignment ? 1e3 * pair.alignment->median : 0.0,
-                  cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options),
-                  FindingAction::kExcluded);
+      placed.findings.push_back(
+          MakeFinding("view_excluded", Severity::kWarning, pair.alignment ? 1e3 * pair.alignment->median : 0.0,
+                      cameras[i].view + " is not taken, beside " + reference.view + ": " + WhyNot(pair, options),
+                      FindingAction::kExcluded));
       continue;
     }
     view.used = true;

@@ -33,10 +33,6 @@ struct PlacedViews {
   std::vector<Finding> findings;  ///< "no_person_in_view", "view_excluded", "clock_offset"
 };
 
-/// Appends a finding about a whole capture.
-void NoteCapture(std::vector<Finding>& findings, const char* code, Severity severity, double value, std::string message,
-                 FindingAction action);
-
 /// Aligns the cameras pair by pair (people of two cameras in the order that fits best, at most three each). The
 /// reference is the camera that agrees with most others, the first of equal ones; what does not agree with it is left
 /// out. Error kInconsistent: no person is observed at all, or cameras contradict each other and no two agree;

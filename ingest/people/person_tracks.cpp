@@ -113,6 +113,18 @@ void JoinInterleaved(std::vector<PersonTrack>& tracks, const std::vector<double>
   }
 }
 
+/// Mean distance of log lengths over the bones that both have; 1 when these are fewer than four.
+double SignatureDistance(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  std::size_t bones = 0;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    if (a[k] < 0.05 || b[k] < 0.05) continue;  // of shorter bones a tracker is never sure
+    sum += std::abs(std::log(a[k] / b[k]));
+    ++bones;
+  }
+  return bones < kFewestTrackedBones ? 1.0 : sum / static_cast<double>(bones);
+}
+
 }  // namespace
 
 std::string PersonTrack::Name() const {
@@ -158,17 +170,6 @@ std::vector<double> BoneSignature(const PersonTrack& track, const std::vector<in
   std::vector<double> lengths;
   for (std::size_t k = 0; k < parents.size(); ++k) lengths.push_back(Median(BoneLengths(track, parents, k)));
   return lengths;
-}
-
-double SignatureDistance(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  std::size_t bones = 0;
-  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
-    if (a[k] < 0.05 || b[k] < 0.05) continue;  // of shorter bones a tracker is never sure
-    sum += std::abs(std::log(a[k] / b[k]));
-    ++bones;
-  }
-  return bones < kFewestTrackedBones ? 1.0 : sum / static_cast<double>(bones);
 }
 
 std::vector<PersonTrack> StitchTracks(std::vector<PersonTrack> tracks, const std::vector<int>& parents,

@@ -44,13 +44,6 @@ std::string NameOfLabel(const BabelLabel& label) {
   return name.value_or("");
 }
 
-std::string CategoryOf(const BabelLabel& label) {
-  std::string text;
-  if (!label.act_cat) return text;
-  for (const std::string& category : *label.act_cat) text += (text.empty() ? "" : ", ") + category;
-  return text;
-}
-
 }  // namespace
 
 std::vector<std::string> AmassNames(const std::string& feat_p) {
@@ -145,7 +138,8 @@ std::vector<Segment> SegmentsOf(const BabelSequence& sequence, double duration_s
                                    " s after the motion" + "; cut at its end",
                                FindingAction::kKept));
     }
-    segments.push_back({begin, std::min(end, duration_s), name, CategoryOf(label), "annotated"});
+    segments.push_back({begin, std::min(end, duration_s), name,
+                        JoinTexts(label.act_cat.value_or(std::vector<std::string>())), "annotated"});
   }
   if (withheld > 0) {
     findings.push_back(

@@ -1,13 +1,12 @@
 // Compares the body with the declaration of its source, by the measures of `mocurate inspect` on the clip that will be
 // kept.
-// will be kept.
 
-#include "ingest/sources/body_check.h"
+#include "ingest/sources/source_file.h"
 
 #include "core/base/text.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"
-#include "ingest/inspect/tree_points.h"
+#include "ingest/inspect/raw_clip.h"
 
 namespace mocurate {
 namespace {

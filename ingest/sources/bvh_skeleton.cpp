@@ -94,11 +94,10 @@ Expected<std::vector<int>> Targets(const Bvh& bvh, const Skeleton& skeleton, con
     const std::string& name = names[j];
     const std::optional<int> found = skeleton.FindJoint(name);
     if (!found || !used.insert(*found).second) {
-      const std::optional<std::string> near = Nearest(name, known);
       return Fail(ErrorCode::kInconsistent,
                   "joint '" + name + (found ? "' maps to a joint of skeleton '" : "' is unknown to skeleton '") +
                       skeleton.name + (found ? "' that is assigned already" : "'"),
-                  file, near ? "did you mean '" + *near + "'?" : "name another skeleton, or none to use the file's own",
+                  file, DidYouMean(name, known, "name another skeleton, or none to use the file's own"),
                   Reason::kOtherTree);
     }
     target[j] = *found;

@@ -137,11 +137,9 @@ Status CheckFirstFrames(const SourceOptions& source) {
 Status CheckFirstFrames(const SourceOptions& source, const std::set<std::string>& cameras) {
   for (const auto& [camera, number] : source.first_frame) {
     if (cameras.count(camera) != 0) continue;
-    const std::optional<std::string> near = Nearest(camera, {cameras.begin(), cameras.end()});
-    std::string names;
-    for (const std::string& known : cameras) names += (names.empty() ? "" : ", ") + known;
+    const std::vector<std::string> names(cameras.begin(), cameras.end());
     return Fail(ErrorCode::kConfig, "no file is of camera '" + camera + "'", kFirstFrame,
-                near ? "did you mean '" + *near + "'?" : "the cameras of the files are " + names);
+                DidYouMean(camera, names, "the cameras of the files are " + JoinTexts(names)));
   }
   return {};
 }

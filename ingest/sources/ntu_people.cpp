@@ -161,13 +161,4 @@ void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, st
                                      " % of the joints (tracking state 1) instead of observing them"));
 }
 
-Error PersonNotFound(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
-                     const std::string& name) {
-  return {ErrorCode::kInconsistent,
-          "body " + std::to_string(own) + " of " + std::to_string(wanted) + " is not there: the file has " +
-              Counted(people.chosen.size(), "body id") + " in " + Counted(frames, "frame"),
-          name, "the tracker lost the person: remove the file, or correct ingest.source.bodies",
-          Reason::kPersonMissing};
-}
-
 }  // namespace mocurate

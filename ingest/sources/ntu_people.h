@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/formats/ntu_skeleton.h"
-#include "ingest/people/choose_people.h"
+#include "ingest/people/person_tracks.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -24,10 +24,6 @@ void NoteZeroJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::v
 
 /// "inferred_joints": the share of joints of `body` that the sensor inferred instead of observing; a warning above 0.3.
 void NoteInferredJoints(const NtuSkeleton& skeleton, const PersonTrack& body, std::vector<Finding>& findings);
-
-/// Error for a file with fewer people than `wanted`: the `own`-th of them, from 1, is missing. `name` for messages.
-Error PersonNotFound(std::size_t own, std::size_t wanted, const People& people, std::size_t frames,
-                     const std::string& name);
 
 /// Intrinsics fx, fy, cx, cy of the sensor's depth images, from joints given in metres and in pixels: u = fx x / z + cx
 /// with x to the sensor's left (its images are mirrored) and v = cy - fy y / z. Nothing where joints lie too close

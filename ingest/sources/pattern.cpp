@@ -1,6 +1,7 @@
 #include "ingest/sources/pattern.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/base/text.h"
 
@@ -66,13 +67,6 @@ Expected<NamePattern> NamePattern::Parse(const std::string& text, const std::str
   return pattern;
 }
 
-std::optional<NameFields> NamePattern::Match(std::string_view name) const {
-  NameFields fields;
-  int budget = kMatchBudget;
-  if (!MatchFrom(0, name, fields, budget, {})) return std::nullopt;
-  return fields;
-}
-
 std::optional<NameFields> NamePattern::OtherMatch(std::string_view name, const FieldTest& differ) const {
   NameFields fields;
   int budget = kMatchBudget;
@@ -116,6 +110,15 @@ std::vector<std::string> NamePattern::FieldNames() const {
     if (part.is_field && std::find(names.begin(), names.end(), part.text) == names.end()) names.push_back(part.text);
   }
   return names;
+}
+
+std::string LettersAndDigits(const std::string& text) {
+  std::string kept;
+  for (const char c : text) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter) != 0) kept += static_cast<char>(std::tolower(letter));
+  }
+  return kept;
 }
 
 std::vector<std::string> FieldsOf(const std::string& text) {

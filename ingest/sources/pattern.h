@@ -22,7 +22,7 @@ class NamePattern {
   static Expected<NamePattern> Parse(const std::string& text, const std::string& where);
 
   /// The fields of a name; empty when it does not match.
-  std::optional<NameFields> Match(std::string_view name) const;
+  std::optional<NameFields> Match(std::string_view name) const { return OtherMatch(name, {}); }
 
   /// Another way to match the name, whose fields `differ`; empty where there is none. "old_female_punch" with
   /// "{person}_{pose}" has person `old` by Match and `old_female` by this.
@@ -50,6 +50,9 @@ class NamePattern {
   int depth_ = 0;
   int least_depth_ = 0;
 };
+
+/// Letters and digits in lower case: what names are compared by.
+std::string LettersAndDigits(const std::string& text);
 
 /// The {field}s of a text, each once.
 std::vector<std::string> FieldsOf(const std::string& text);

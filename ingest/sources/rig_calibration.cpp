@@ -1,7 +1,6 @@
 #include "ingest/sources/rig_calibration.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
@@ -20,15 +19,6 @@ std::string ListedCameras(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size() && i < kMostCamerasNamed; ++i) text += (i == 0 ? "" : ", ") + names[i];
   return names.size() <= kMostCamerasNamed ? text : text + ", ... (" + std::to_string(names.size()) + " in all)";
-}
-
-std::string LettersAndDigits(const std::string& text) {
-  std::string kept;
-  for (const char c : text) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) != 0) kept += static_cast<char>(std::tolower(letter));
-  }
-  return kept;
 }
 
 bool IsOpenCv(const std::string& bytes) {
@@ -120,10 +110,9 @@ Vector3d Direction(const std::string& axis) {
 }
 
 /// The images' top compared with the declared axes.
-void CheckUp(const SourceOptions& source, const AxisConvention& axes, const Measured& up,
-             std::vector<Finding>& findings) {
+void CheckUp(const SourceOptions& source, const Quaterniond& axes, const Measured& up, std::vector<Finding>& findings) {
   if (up.value.empty()) return;
-  const double rises = (axes.canonical_from_source * Direction(up.value)).y();
+  const double rises = (axes * Direction(up.value)).y();
   if (rises > 0.5) return;
   findings.push_back(Contradiction(source, "up_contradiction", up.confidence,
                                    "with axes '" + source.axes +
@@ -150,12 +139,8 @@ const Camera* Rig::Find(const SourceOptions& source, const std::string& camera) 
 }
 
 Expected<Rig> ReadRig(const SourceFile& file) {
-  const Expected<AxisConvention> axes = AxisConvention::Parse(file.source.axes);
+  const Expected<Quaterniond> axes = RotationOfAxes(file.source.axes);
   if (!axes) return Forward(axes);
-  if (axes->handedness() == Handedness::kLeft) {
-    return Fail(ErrorCode::kConfig, "axes '" + file.source.axes + "' are left-handed", "ingest.source.axes",
-                "camera rotations need a right-handed frame");
-  }
   Rig rig;
   Expected<Calibration> calibration = ReadFiles(file, rig.content);
   if (!calibration) return Forward(calibration);
@@ -177,7 +162,7 @@ Expected<Rig> ReadRig(const SourceFile& file) {
     rig.findings.push_back(Contradiction(file.source, remark.code, remark.value, remark.message));
   }
   CheckUp(file.source, *axes, estimate.up, rig.findings);
-  const RigidTransform world_from_source{Quaterniond(axes->canonical_from_source), Vector3d::Zero()};
+  const RigidTransform world_from_source{*axes, Vector3d::Zero()};
   rig.cameras = estimate.cameras;
   for (Camera& camera : rig.cameras) {
     camera.camera_from_world = camera.camera_from_world * Inverse(world_from_source);

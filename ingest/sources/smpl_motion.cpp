@@ -1,7 +1,5 @@
 #include "ingest/sources/smpl_motion.h"
 
-#include "core/geometry/axes.h"
-
 namespace mocurate {
 
 const char* const kSmplJointNames[kSmplJoints] = {
@@ -45,16 +43,6 @@ Expected<std::vector<Quaterniond>> SmplLocalRotations(const Skeleton& skeleton, 
   }
   for (std::size_t j = 0; j < joints; ++j) MakeSignContinuous(local.data() + j, rotations.frames, joints);
   return local;
-}
-
-Expected<Quaterniond> RotationOfAxes(const std::string& text) {
-  const Expected<AxisConvention> axes = AxisConvention::Parse(text);
-  if (!axes) return Forward(axes);
-  if (axes->handedness() == Handedness::kLeft) {
-    return Fail(ErrorCode::kConfig, "axes '" + text + "' are left-handed", "ingest.source.axes",
-                "recorded rotations need a right-handed frame; z up is '+x -z +y', y down '+x -y -z'");
-  }
-  return Quaterniond(axes->canonical_from_source);
 }
 
 }  // namespace mocurate

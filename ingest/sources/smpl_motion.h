@@ -30,8 +30,4 @@ Expected<std::vector<int>> SmplColumns(const Skeleton& skeleton, int joints_in_f
 Expected<std::vector<Quaterniond>> SmplLocalRotations(const Skeleton& skeleton, const SmplRotations& rotations,
                                                       const Quaterniond& world_from_file);
 
-/// The rotation that a source's axes define. Error kConfig where they are left-handed: recorded rotations need a
-/// right-handed frame.
-Expected<Quaterniond> RotationOfAxes(const std::string& axes);
-
 }  // namespace mocurate

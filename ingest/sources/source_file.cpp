@@ -5,8 +5,10 @@
 #include <regex>
 #include <set>
 
+#include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/formats/png.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/inspect/comparison.h"
 
@@ -58,11 +60,10 @@ Expected<std::string> LabelOf(const SourceOptions& source, const std::string& te
   if (source.other_labels == OtherLabels::kKeep) return text;
   std::vector<std::string> known;
   for (const auto& [key, label] : source.labels) known.push_back(key);
-  const std::optional<std::string> near = Nearest(text, known);
   return Fail(ErrorCode::kInconsistent,
               "the label '" + text + "' is not listed under ingest.source.labels" +
                   (source.label_rules.empty() ? "" : ", and no rule of label_rules matches it"),
-              name, near ? "did you mean '" + *near + "'?" : "add it, or repair the file name");
+              name, DidYouMean(text, known, "add it, or repair the file name"));
 }
 
 std::string BytesOf(const std::vector<double>& values) {
@@ -190,10 +191,8 @@ void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, Prob
       continue;
     }
     if (skeleton.FindJoint(name) || std::find(known.begin(), known.end(), name) != known.end()) continue;
-    problems.Add(where, "joint '" + name + "' is unknown to skeleton '" + skeleton.name + "'", [&] {
-      const std::optional<std::string> near = Nearest(name, known);
-      return near ? "did you mean '" + *near + "'?" : std::string("use the skeleton's names or synonyms");
-    });
+    problems.Add(where, "joint '" + name + "' is unknown to skeleton '" + skeleton.name + "'",
+                 [&] { return DidYouMean(name, known, "use the skeleton's names or synonyms"); });
   }
 }
 
@@ -217,6 +216,34 @@ Expected<SourceFrame> FrameOf(const SourceOptions& source) {
   const Expected<double> scale = MetresPerUnit(source.units);
   if (!scale) return Forward(scale);
   return SourceFrame{axes->canonical_from_source, *scale * axes->canonical_from_source};
+}
+
+Status SetImageSize(const StageInput& input, Camera& camera) {
+  std::string head;
+  const Status read = ReadFileInParts(input.path, [&](std::string_view part) {
+    head.append(part.substr(0, kPngHeaderBytes - std::min(kPngHeaderBytes, head.size())));
+  });
+  if (!read) return read;
+  const Expected<PngHeader> header = ReadPngHeader(head, input.name);
+  if (!header) return Forward(header);
+  if (header->bits != 16 || header->channels != 1) {
+    return Fail(ErrorCode::kMalformed,
+                std::to_string(header->channels) + " channels of " + std::to_string(header->bits) + " bits", input.name,
+                "depth images are 16-bit grey PNG");
+  }
+  camera.width = header->width;
+  camera.height = header->height;
+  return {};
+}
+
+Expected<Quaterniond> RotationOfAxes(const std::string& text) {
+  const Expected<AxisConvention> axes = AxisConvention::Parse(text);
+  if (!axes) return Forward(axes);
+  if (axes->handedness() == Handedness::kLeft) {
+    return Fail(ErrorCode::kConfig, "axes '" + text + "' are left-handed", "ingest.source.axes",
+                "rotations need a right-handed frame; z up is '+x -z +y', y down '+x -y -z'");
+  }
+  return Quaterniond(axes->canonical_from_source);
 }
 
 Status AddDepthImage(const StageInput& image, double time_s, DepthView& view) {

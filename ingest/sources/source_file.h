@@ -15,6 +15,8 @@
 
 namespace mocurate {
 
+struct RawClip;
+
 /// A part of a clip's id, which holds no '/' and no '#': each becomes '.'.
 std::string IdPart(std::string text);
 
@@ -99,7 +101,7 @@ FindingAction ContradictionAction(const SourceOptions& source);
 Finding Contradiction(const SourceOptions& source, std::string code, double value, std::string message);
 
 /// The rate of a clip whose file states one: the declared rate if there is one. A difference is a finding (error)
-/// "rate_contradiction". `rate_finding`: a problem of the file's rate (checks/rate_checks.h); without a declared rate
+/// "rate_contradiction". `rate_finding`: a problem of the file's rate (CheckStatedRate); without a declared rate
 /// the clip is then refused.
 FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& ingested,
                      std::optional<Finding> rate_finding = std::nullopt);
@@ -109,6 +111,17 @@ FrameRate RateOfFile(const SourceOptions& source, double file_hz, IngestedClip& 
 /// "handedness_contradiction", "joint_order_contradiction", and sets `shown` to the properties that the clip shows.
 /// Reads tracks, else the motion; a tree without known names is matched by the form of its names.
 void CheckBody(const SourceOptions& source, IngestedClip& ingested);
+
+/// A clip as inspection sees a file: in the units and axes of its source, with the declared names.
+RawClip ReadRawClip(const SourceOptions& source, const Clip& clip);
+
+/// CheckBody on points of the file that the clip does not keep, in the units and axes of the file. A contradiction that
+/// the clip has already is not reported again.
+void CheckPoints(const SourceOptions& source, const RawClip& observed, IngestedClip& ingested);
+
+/// Width and height of a 16-bit grey PNG into the camera; the pixels are not decoded. Errors kMalformed for another
+/// image, kUnreadable.
+Status SetImageSize(const StageInput& input, Camera& camera);
 
 /// Appends an image by its name below the source's folder and its hash. Errors of reading it.
 Status AddDepthImage(const StageInput& image, double time_s, DepthView& view);
@@ -125,6 +138,10 @@ struct SourceFrame {
 
 /// The frame that a source declares. Error kConfig.
 Expected<SourceFrame> FrameOf(const SourceOptions& source);
+
+/// The rotation that a source's axes define. Error kConfig where they are left-handed: recorded rotations and cameras
+/// need a right-handed frame.
+Expected<Quaterniond> RotationOfAxes(const std::string& axes);
 
 /// The names in ingest.source.joints that occur twice or that the skeleton does not know.
 void CheckJointNames(const SourceOptions& source, const Skeleton& skeleton, ProblemList& problems);

@@ -9,7 +9,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/store/dataset_clips.h"
-#include "ingest/checks/check_options.h"
+#include "ingest/checks/finding_table.h"
 #include "job/motion_files.h"
 
 namespace mocurate {

@@ -13,6 +13,8 @@
 #include <sstream>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/base/units.h"
 #include "ingest/checks/finding_table.h"
 #include "tests/ingest/inspections.h"
 #include "tests/support/folders.h"
@@ -89,6 +91,40 @@ TEST(FindingTable, HasNoCodeThatNoTestReports) {
     EXPECT_TRUE(quoted.count(kind.code) + answered.count(kind.code) > 0)
         << kind.code << ": no recorded, synthetic or damaged file of a test has this finding";
   }
+}
+
+const char* ActionText(OnFinding action) {
+  if (action == OnFinding::kDrop) return "drop";
+  if (action == OnFinding::kMissing) return "missing";
+  return action == OnFinding::kDropRecorded ? "drop_recorded" : "report";
+}
+
+/// The two tables of docs/inspect.md.
+std::string FindingTables() {
+  std::string checks =
+      "| code | severity | meaning | limits, measured on | by default "
+      "|\n|---|---|---|---|---|\n";
+  std::string others = "| code | severity | meaning |\n|---|---|---|\n";
+  for (const FindingKind& kind : FindingKinds()) {
+    const std::string row = "| `" + std::string(kind.code) + "` | " + kind.severity + " | " + kind.help + " |";
+    if (kind.check == Checked::kNothing) {
+      others += row + "\n";
+      continue;
+    }
+    std::string limits;
+    for (const CheckLimit& limit : kind.limits) {
+      const std::string unit(Name(limit.unit));
+      limits += (limits.empty() ? "`" : "; `") + std::string(limit.name) + ": " + FormatDouble(limit.value) +
+                (unit.empty() ? "" : " " + unit) + "` " + limit.help + ", " + limit.source;
+    }
+    checks += row + " " + limits + " | " + ActionText(kind.by_default) + " |\n";
+  }
+  return "Checks of a clip. In a source, `checks: {repeated_value: {frames: 5, action: missing}}` sets limits and the\n"
+         "action: `ignore`, `report`, set the samples to `missing` (findings of frames or joints), or `drop` the "
+         "clip.\n"
+         "`drop_recorded` drops clips of tracks and reports given motion, which may stand still. A fit repairs tracks\n"
+         "by `fitting.repair`, independently of these actions.\n\n" +
+         checks + "\nAll others:\n\n" + others;
 }
 
 TEST(FindingTable, MatchesTheDocument) {

@@ -1,4 +1,4 @@
-#include "ingest/gap_rule.h"
+#include "ingest/sources/damaged_frames.h"
 
 #include <gtest/gtest.h>
 

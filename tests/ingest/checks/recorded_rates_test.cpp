@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ingest/checks/set_contradictions.h"
+#include "ingest/inspect/comparison.h"
 #include "tests/ingest/changed_files.h"
 
 namespace mocurate {

@@ -11,7 +11,7 @@
 #include "core/base/sha256.h"
 #include "core/formats/png.h"
 #include "ingest/expected_files.h"
-#include "ingest/inspect/gathered_names.h"
+#include "ingest/inspect/file_names.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/inspect/source_declaration.h"
 #include "tests/ingest/jpeg_masks.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/formats/npy.h"
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/changed_files.h"
 

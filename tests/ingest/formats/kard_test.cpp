@@ -4,7 +4,7 @@
 #include <fstream>
 #include <set>
 
-#include "ingest/checks/set_contradictions.h"
+#include "ingest/inspect/comparison.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/runs.h"
 

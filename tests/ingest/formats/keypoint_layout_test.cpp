@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "core/formats/camera_files.h"
+#include "ingest/checks/keypoint_checks.h"
 #include "ingest/inspect/calibration_estimate.h"
-#include "ingest/inspect/keypoint_layout_estimate.h"
 #include "tests/formats/damage.h"
 #include "tests/ingest/sources.h"
 #include "tests/support/linear_triangulation.h"

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "core/base/text.h"
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/inspect/source_declaration.h"
 #include "tests/formats/expect_error.h"
 #include "tests/ingest/inspections.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/sources/frame_files.h"
 #include "tests/formats/expect_error.h"

@@ -10,7 +10,7 @@
 #include "core/base/random.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/formats/png.h"
-#include "ingest/checks/fault_codes.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/rigs.h"
 #include "tests/formats/expect_error.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "ingest/people/choose_people.h"
+#include "ingest/people/person_tracks.h"
 #include "tests/quality/people.h"
 
 namespace mocurate {
