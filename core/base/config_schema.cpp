@@ -12,14 +12,8 @@ using nlohmann::json;
 constexpr const char* kReference = "\\$\\{";
 
 std::string RegexOf(Unit unit) {
-  std::string spellings;
-  for (const UnitSpelling& spelling : UnitSpellings()) {
-    if (spelling.unit != unit) continue;
-    if (!spellings.empty()) spellings += "|";
-    spellings += spelling.spelling;
-  }
   const std::string number = "[-+]?[0-9.]+([eE][-+]?[0-9]+)?";
-  return "^\\s*" + number + "(\\s*/\\s*" + number + ")?\\s*(" + spellings + ")?\\s*$|" + kReference;
+  return "^\\s*" + number + "(\\s*/\\s*" + number + ")?\\s*(" + SpellingsOf(unit, "|") + ")?\\s*$|" + kReference;
 }
 
 /// Collects the schema of every option; open groups and lists are on a stack.

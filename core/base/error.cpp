@@ -1,37 +1,33 @@
 #include "core/base/error.h"
 
+#include <algorithm>
 #include <array>
 
 namespace mocurate {
 namespace {
 
 struct CodeFacts {
-  ErrorCode code;
   std::string_view name;
   ExitCode exit_code;
 };
 
+/// In the order of ErrorCode.
 constexpr std::array<CodeFacts, 12> kCodes = {{
-    {ErrorCode::kUsage, "usage", ExitCode::kUsage},
-    {ErrorCode::kConfig, "config", ExitCode::kUsage},
-    {ErrorCode::kNotFound, "not_found", ExitCode::kInputUnusable},
-    {ErrorCode::kUnreadable, "unreadable", ExitCode::kInputUnusable},
-    {ErrorCode::kMalformed, "malformed", ExitCode::kInputUnusable},
-    {ErrorCode::kInconsistent, "inconsistent", ExitCode::kInputUnusable},
-    {ErrorCode::kUnsupported, "unsupported", ExitCode::kInputUnusable},
-    {ErrorCode::kMissingOnHost, "missing_on_host", ExitCode::kMissingOnHost},
-    {ErrorCode::kCannotWrite, "cannot_write", ExitCode::kCannotWrite},
-    {ErrorCode::kInterrupted, "interrupted", ExitCode::kInterrupted},
-    {ErrorCode::kTooManyFailures, "too_many_failures", ExitCode::kTooManyFailures},
-    {ErrorCode::kInternal, "internal", ExitCode::kBug},
+    {"usage", ExitCode::kUsage},
+    {"config", ExitCode::kUsage},
+    {"not_found", ExitCode::kInputUnusable},
+    {"unreadable", ExitCode::kInputUnusable},
+    {"malformed", ExitCode::kInputUnusable},
+    {"inconsistent", ExitCode::kInputUnusable},
+    {"unsupported", ExitCode::kInputUnusable},
+    {"missing_on_host", ExitCode::kMissingOnHost},
+    {"cannot_write", ExitCode::kCannotWrite},
+    {"interrupted", ExitCode::kInterrupted},
+    {"too_many_failures", ExitCode::kTooManyFailures},
+    {"internal", ExitCode::kBug},
 }};
 
-const CodeFacts& FactsOf(ErrorCode code) {
-  for (const CodeFacts& facts : kCodes) {
-    if (facts.code == code) return facts;
-  }
-  return kCodes.back();
-}
+const CodeFacts& FactsOf(ErrorCode code) { return kCodes.at(static_cast<std::size_t>(code)); }
 
 }  // namespace
 
@@ -51,10 +47,9 @@ bool operator==(const Error& a, const Error& b) {
 std::string_view Name(ErrorCode code) { return FactsOf(code).name; }
 
 ErrorCode ErrorCodeFromName(std::string_view name) {
-  for (const CodeFacts& facts : kCodes) {
-    if (facts.name == name) return facts.code;
-  }
-  return ErrorCode::kInternal;
+  const auto* const found =
+      std::find_if(kCodes.begin(), kCodes.end(), [&](const CodeFacts& facts) { return facts.name == name; });
+  return found == kCodes.end() ? ErrorCode::kInternal : static_cast<ErrorCode>(found - kCodes.begin());
 }
 
 ExitCode ExitCodeOf(ErrorCode code) { return FactsOf(code).exit_code; }

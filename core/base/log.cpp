@@ -12,17 +12,9 @@ namespace mocurate {
 namespace {
 
 spdlog::level::level_enum LevelOf(LogLevel level) {
-  switch (level) {
-    case LogLevel::kError:
-      return spdlog::level::err;
-    case LogLevel::kWarning:
-      return spdlog::level::warn;
-    case LogLevel::kInfo:
-      return spdlog::level::info;
-    case LogLevel::kDebug:
-      return spdlog::level::debug;
-  }
-  return spdlog::level::info;
+  constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::err, spdlog::level::warn, spdlog::level::info,
+                                                   spdlog::level::debug};
+  return kLevels[static_cast<std::size_t>(level)];
 }
 
 /// The stderr of the process is one; so is its logger.

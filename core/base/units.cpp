@@ -9,8 +9,37 @@
 namespace mocurate {
 namespace {
 
-std::vector<UnitSpelling> MakeSpellings() {
-  return {
+/// A decimal number or a fraction of two, "1/30".
+std::optional<double> ParseRatio(std::string_view text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return ParseDouble(text);
+  const std::optional<double> above = ParseDouble(Trim(text.substr(0, slash)));
+  const std::optional<double> below = ParseDouble(Trim(text.substr(slash + 1)));
+  if (!above || !below || *below == 0.0) return std::nullopt;
+  return *above / *below;
+}
+
+bool StartsUnit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || (c & 0x80) != 0; }
+
+/// Where the unit begins in "1/30 s", "30mm", "1e3 m": the last run of letters, slashes between letters and "%".
+std::size_t UnitBegin(std::string_view text) {
+  std::size_t begin = text.size();
+  while (begin > 0 && (StartsUnit(text[begin - 1]) || text[begin - 1] == '/')) --begin;
+  while (begin < text.size() && text[begin] == '/') ++begin;
+  return begin;
+}
+
+tl::unexpected<Error> NotANumber(std::string_view text, Unit unit) {
+  std::string wanted = "must be a number";
+  if (unit != Unit::kNone) wanted += " in " + std::string(Name(unit));
+  return Fail(ErrorCode::kConfig, "'" + std::string(text) + "' " + wanted, {},
+              unit == Unit::kNone ? std::string() : "units here: " + SpellingsOf(unit));
+}
+
+}  // namespace
+
+const std::vector<UnitSpelling>& UnitSpellings() {
+  static const std::vector<UnitSpelling> spellings = {
       {"m", Unit::kMetre, 1, 1},
       {"dm", Unit::kMetre, 1, 10},
       {"cm", Unit::kMetre, 1, 100},
@@ -53,74 +82,20 @@ std::vector<UnitSpelling> MakeSpellings() {
       {"TiB", Unit::kByte, 1099511627776.0, 1},
       {"%", Unit::kNone, 1, 100},
   };
-}
-
-/// A decimal number or a fraction of two, "1/30".
-std::optional<double> ParseRatio(std::string_view text) {
-  const std::size_t slash = text.find('/');
-  if (slash == std::string_view::npos) return ParseDouble(text);
-  const std::optional<double> above = ParseDouble(Trim(text.substr(0, slash)));
-  const std::optional<double> below = ParseDouble(Trim(text.substr(slash + 1)));
-  if (!above || !below || *below == 0.0) return std::nullopt;
-  return *above / *below;
-}
-
-bool StartsUnit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '%' || (c & 0x80) != 0; }
-
-/// Where the unit begins in "1/30 s", "30mm", "1e3 m": the last run of letters, slashes between letters and "%".
-std::size_t UnitBegin(std::string_view text) {
-  std::size_t begin = text.size();
-  while (begin > 0 && (StartsUnit(text[begin - 1]) || text[begin - 1] == '/')) --begin;
-  while (begin < text.size() && text[begin] == '/') ++begin;
-  return begin;
-}
-
-std::string SpellingsOf(Unit unit) {
-  std::string list;
-  for (const UnitSpelling& spelling : UnitSpellings()) {
-    if (spelling.unit != unit) continue;
-    if (!list.empty()) list += ", ";
-    list += spelling.spelling;
-  }
-  return list;
-}
-
-tl::unexpected<Error> NotANumber(std::string_view text, Unit unit) {
-  std::string wanted = "must be a number";
-  if (unit != Unit::kNone) wanted += " in " + std::string(Name(unit));
-  return Fail(ErrorCode::kConfig, "'" + std::string(text) + "' " + wanted, {},
-              unit == Unit::kNone ? std::string() : "units here: " + SpellingsOf(unit));
-}
-
-}  // namespace
-
-const std::vector<UnitSpelling>& UnitSpellings() {
-  static const std::vector<UnitSpelling> spellings = MakeSpellings();
   return spellings;
 }
 
-std::string_view Name(Unit unit) {
-  switch (unit) {
-    case Unit::kNone:
-      return "";
-    case Unit::kMetre:
-      return "m";
-    case Unit::kSecond:
-      return "s";
-    case Unit::kRadian:
-      return "rad";
-    case Unit::kHertz:
-      return "Hz";
-    case Unit::kMetrePerSecond:
-      return "m/s";
-    case Unit::kRadianPerSecond:
-      return "rad/s";
-    case Unit::kPixel:
-      return "px";
-    case Unit::kByte:
-      return "B";
+std::string SpellingsOf(Unit unit, std::string_view separator) {
+  std::vector<std::string> list;
+  for (const UnitSpelling& spelling : UnitSpellings()) {
+    if (spelling.unit == unit) list.emplace_back(spelling.spelling);
   }
-  return "";
+  return JoinTexts(list, separator);
+}
+
+std::string_view Name(Unit unit) {
+  constexpr std::string_view kNames[] = {"", "m", "s", "rad", "Hz", "m/s", "rad/s", "px", "B"};
+  return kNames[static_cast<std::size_t>(unit)];
 }
 
 Expected<double> ParseQuantity(std::string_view text, Unit unit) {

@@ -19,6 +19,9 @@ struct UnitSpelling {
 /// Every spelling a config may use, by unit.
 const std::vector<UnitSpelling>& UnitSpellings();
 
+/// "m, dm, cm, ...".
+std::string SpellingsOf(Unit unit, std::string_view separator = ", ");
+
 /// "m", "s", "rad", "Hz", "m/s", "rad/s", "px", "B"; empty for kNone.
 std::string_view Name(Unit unit);
 
