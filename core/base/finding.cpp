@@ -1,44 +1,30 @@
 #include "core/base/finding.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 namespace mocurate {
 
 std::string_view Name(Severity severity) {
-  switch (severity) {
-    case Severity::kInfo:
-      return "info";
-    case Severity::kWarning:
-      return "warning";
-    case Severity::kError:
-      return "error";
-  }
-  return "warning";
+  constexpr std::string_view kNames[] = {"info", "warning", "error"};
+  return kNames[static_cast<std::size_t>(severity)];
 }
 
 namespace {
 
-constexpr std::pair<FindingAction, std::string_view> kActions[] = {{FindingAction::kFlagged, "flagged"},
-                                                                   {FindingAction::kKept, "kept"},
-                                                                   {FindingAction::kDropped, "dropped"},
-                                                                   {FindingAction::kMissing, "taken as missing"},
-                                                                   {FindingAction::kInterpolated, "interpolated"},
-                                                                   {FindingAction::kRepaired, "repaired"},
-                                                                   {FindingAction::kExcluded, "excluded"},
-                                                                   {FindingAction::kRefused, "refused"},
-                                                                   {FindingAction::kAudited, "reported by an audit"}};
+constexpr std::string_view kActions[] = {"flagged",  "kept",     "dropped", "taken as missing",    "interpolated",
+                                         "repaired", "excluded", "refused", "reported by an audit"};
 
 }  // namespace
 
-std::string_view Name(FindingAction action) { return kActions[static_cast<std::size_t>(action)].second; }
+std::string_view Name(FindingAction action) { return kActions[static_cast<std::size_t>(action)]; }
 
 FindingAction FindingActionFromName(std::string_view name) {
-  for (const auto& [action, text] : kActions) {
-    if (text == name) return action;
-  }
-  return FindingAction::kFlagged;
+  const auto* const found = std::find(std::begin(kActions), std::end(kActions), name);
+  return found == std::end(kActions) ? FindingAction::kFlagged : static_cast<FindingAction>(found - kActions);
 }
 
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message) {
@@ -53,6 +39,13 @@ Finding MakeFinding(std::string code, Severity severity, double value, std::stri
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action) {
   Finding finding = MakeFinding(std::move(code), severity, value, std::move(message));
   finding.action = action;
+  return finding;
+}
+
+Finding FindingOfFrames(std::string code, int begin, int end, double value, std::string message, FindingAction action) {
+  Finding finding = MakeFinding(std::move(code), Severity::kWarning, value, std::move(message), action);
+  finding.frame_begin = begin;
+  finding.frame_end = end;
   return finding;
 }
 

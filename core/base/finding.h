@@ -51,6 +51,9 @@ Finding MakeFinding(std::string code, Severity severity, double value, std::stri
 /// The same with the action taken.
 Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action);
 
+/// A warning about frames [begin, end).
+Finding FindingOfFrames(std::string code, int begin, int end, double value, std::string message, FindingAction action);
+
 bool operator==(const Finding& a, const Finding& b);
 
 void to_json(nlohmann::json& json, const Finding& finding);

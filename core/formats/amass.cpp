@@ -70,14 +70,8 @@ void ReportDamaged(const DamagedPoses& damaged, const std::string& name, Amass& 
       continue;
     }
     if (amass.findings.size() >= kMostFindings) continue;
-    Finding finding;
-    finding.code = "not_a_number";
-    finding.frame_begin = frame;
-    finding.frame_end = frame + 1;
-    finding.value = static_cast<double>(numbers);
-    finding.message = damaged.first.at(frame);
-    finding.action = FindingAction::kDropped;
-    amass.findings.push_back(std::move(finding));
+    amass.findings.push_back(FindingOfFrames("not_a_number", frame, frame + 1, static_cast<double>(numbers),
+                                             damaged.first.at(frame), FindingAction::kDropped));
   }
   for (Finding& finding : amass.findings) {
     finding.message = name + ": " + Counted(static_cast<long long>(finding.value), "number") + " of " +

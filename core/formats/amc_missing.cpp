@@ -12,14 +12,10 @@ namespace {
 void NoteMissing(const std::string& bone, std::size_t begin, std::size_t end, std::size_t frames,
                  const std::string& message, Amc& amc) {
   if (amc.findings.size() >= kMostAmcFindings) return;
-  Finding& finding = amc.findings.emplace_back();
-  finding.code = "bone_missing";
-  finding.joint = Shown(bone);
-  finding.frame_begin = static_cast<int>(begin);
-  finding.frame_end = static_cast<int>(end);
-  finding.value = static_cast<double>(frames);
-  finding.message = message;
-  finding.action = end > begin ? FindingAction::kDropped : FindingAction::kKept;
+  amc.findings.push_back(FindingOfFrames("bone_missing", static_cast<int>(begin), static_cast<int>(end),
+                                         static_cast<double>(frames), message,
+                                         end > begin ? FindingAction::kDropped : FindingAction::kKept));
+  amc.findings.back().joint = Shown(bone);
 }
 
 }  // namespace
@@ -117,14 +113,12 @@ Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::siz
   for (std::size_t row = 1; row < rows && amc.findings.size() < kMostAmcFindings; ++row) {
     const auto skipped = static_cast<long long>(at(row) - at(row - 1)) - 1;
     if (skipped == 0) continue;
-    Finding& finding = amc.findings.emplace_back();
-    finding.code = "time_gap";
-    finding.frame_begin = places->place[row - 1] + 1;
-    finding.frame_end = places->place[row];
-    finding.value = static_cast<double>(skipped);
-    finding.message = name + ": " + Counted(skipped, "frame") + " without a pose: number " +
-                      std::to_string(numbers[row - 1]) + " is followed by " + std::to_string(numbers[row]);
-    finding.action = FindingAction::kDropped;
+    amc.findings.push_back(FindingOfFrames("time_gap", places->place[row - 1] + 1, places->place[row],
+                                           static_cast<double>(skipped),
+                                           name + ": " + Counted(skipped, "frame") + " without a pose: number " +
+                                               std::to_string(numbers[row - 1]) + " is followed by " +
+                                               std::to_string(numbers[row]),
+                                           FindingAction::kDropped));
   }
   amc.frames = static_cast<int>(frames);
   amc.values = std::move(values);

@@ -76,15 +76,11 @@ class AmcParser {
     const bool damage = std::string_view(code) != "frame_number" && frame < 0;
     if (damage && !Damaged()) amc_.damaged.push_back(amc_.frames - 1);
     if (amc_.findings.size() >= kMostAmcFindings) return nullptr;
-    Finding& finding = amc_.findings.emplace_back();
-    finding.code = code;
-    finding.joint = Shown(bone);
-    finding.frame_begin = frame < 0 ? amc_.frames - 1 : frame;
-    finding.frame_end = finding.frame_begin + 1;
-    finding.value = value;
-    finding.message = std::move(message);
-    finding.action = damage ? FindingAction::kDropped : FindingAction::kKept;
-    return &finding;
+    const int at = frame < 0 ? amc_.frames - 1 : frame;
+    amc_.findings.push_back(FindingOfFrames(code, at, at + 1, value, std::move(message),
+                                            damage ? FindingAction::kDropped : FindingAction::kKept));
+    amc_.findings.back().joint = Shown(bone);
+    return &amc_.findings.back();
   }
 
   /// The frame that is being read.

@@ -353,15 +353,11 @@ class BvhParser {
 
   /// A finding about lost data or a wrong header: the motion may be incomplete.
   void Report(const char* code, double value, int line, long long frame, const std::string& what) {
-    Finding finding;
-    finding.code = code;
-    finding.severity = Severity::kError;
-    finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
-    finding.frame_end = frame > 0 ? finding.frame_begin + 1 : 0;
-    finding.value = value;
-    finding.message = PlaceOfLine(line) + ": " + what;
-    finding.action = frame > 0 ? FindingAction::kDropped : FindingAction::kKept;
-    bvh_.findings.push_back(std::move(finding));
+    const int begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
+    bvh_.findings.push_back(FindingOfFrames(code, begin, frame > 0 ? begin + 1 : 0, value,
+                                            PlaceOfLine(line) + ": " + what,
+                                            frame > 0 ? FindingAction::kDropped : FindingAction::kKept));
+    bvh_.findings.back().severity = Severity::kError;
   }
 
   std::string PlaceOfLine(int line) const { return name_ + ":" + std::to_string(line); }

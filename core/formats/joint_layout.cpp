@@ -61,11 +61,9 @@ Expected<JointColumn> ColumnOf(const std::string& word, const std::string& where
   for (std::size_t i = 0; i < kWords.size(); ++i) {
     if (word == kWords[i]) return static_cast<JointColumn>(i);
   }
-  const auto nearest = Nearest(word, std::vector<std::string>(kWords.begin(), kWords.end()));
+  const std::vector<std::string> words(kWords.begin(), kWords.end());
   return Fail(ErrorCode::kConfig, "'" + Shown(word) + "' is not a column of a joint", where,
-              nearest ? "did you mean '" + *nearest + "'?"
-                      : "columns are x y z confidence rotation rotation_confidence frame time_s time_ms time_us "
-                        "time_100ns time_ns skip");
+              DidYouMean(word, words, "columns are " + JoinTexts(words, " ")));
 }
 
 Status CheckGroup(const JointGroup& group, const std::string& where) {
@@ -167,14 +165,9 @@ void CheckFrameNumbers(JointRows& rows, const std::string& name) {
   for (std::size_t f = 1; f < rows.counter.size(); ++f) {
     const double number = rows.counter[f], before = rows.counter[f - 1];
     if (std::isnan(number) || std::isnan(before) || number == before + 1.0) continue;
-    Finding finding;
-    finding.code = "frame_number";
-    finding.frame_begin = static_cast<int>(f);
-    finding.frame_end = static_cast<int>(f) + 1;
-    finding.value = number;
-    finding.message = name + ": frame number " + FormatDouble(number) + " follows " + FormatDouble(before);
-    finding.action = FindingAction::kKept;
-    rows.findings.push_back(std::move(finding));
+    rows.findings.push_back(FindingOfFrames(
+        "frame_number", static_cast<int>(f), static_cast<int>(f) + 1, number,
+        name + ": frame number " + FormatDouble(number) + " follows " + FormatDouble(before), FindingAction::kKept));
     return;  // the first one is enough: what follows may all be shifted
   }
 }
@@ -212,16 +205,13 @@ void ReportStillRows(const RowPlaces& places, const std::string& name, JointRows
   if (still == 0) return;
   const auto first = std::find(places.place.begin(), places.place.end(), -1);
   const auto row = static_cast<std::size_t>(first - places.place.begin());
-  Finding finding;
-  finding.code = "frame_number";
-  finding.frame_begin = places.place[row - 1];
-  finding.frame_end = finding.frame_begin + 1;
-  finding.value = static_cast<double>(still);
-  finding.message = name + ": " + Counted(still, "row") + (still == 1 ? " stands" : " stand") +
-                    " at the time of the row before; the first is row " + std::to_string(row + 1) + ", " +
-                    FormatDouble(rows.counter[row]) + ": not used";
-  finding.action = FindingAction::kDropped;
-  rows.findings.push_back(std::move(finding));
+  const int frame = places.place[row - 1];
+  rows.findings.push_back(FindingOfFrames("frame_number", frame, frame + 1, static_cast<double>(still),
+                                          name + ": " + Counted(still, "row") + (still == 1 ? " stands" : " stand") +
+                                              " at the time of the row before; the first is row " +
+                                              std::to_string(row + 1) + ", " + FormatDouble(rows.counter[row]) +
+                                              ": not used",
+                                          FindingAction::kDropped));
 }
 
 /// Inserts missing frames for skipped numbers or times, so that later frames keep their time.
@@ -233,15 +223,11 @@ void KeepGaps(const RowPlaces& places, const std::string& name, JointRows& rows)
     if (places.place[f] < 0) continue;
     const int skipped = places.place[f] - places.place[before] - 1;
     if (skipped > 0) {
-      Finding finding;
-      finding.code = "time_gap";
-      finding.frame_begin = places.place[before] + 1;
-      finding.frame_end = places.place[f];
-      finding.value = skipped;
-      finding.message = Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.counter[before]) +
-                        " is followed by " + FormatDouble(rows.counter[f]);
-      finding.action = FindingAction::kDropped;
-      rows.findings.push_back(std::move(finding));
+      rows.findings.push_back(FindingOfFrames(
+          "time_gap", places.place[before] + 1, places.place[f], skipped,
+          Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.counter[before]) + " is followed by " +
+              FormatDouble(rows.counter[f]),
+          FindingAction::kDropped));
     }
     before = f;
   }

@@ -266,14 +266,9 @@ class JointTableParser {
   }
 
   void AddFinding(const char* code, long long frame, double value, std::string message) {
-    Finding finding;
-    finding.code = code;
-    finding.frame_begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
-    finding.frame_end = finding.frame_begin + 1;
-    finding.value = value;
-    finding.message = std::move(message);
-    finding.action = FindingAction::kDropped;
-    table_.findings.push_back(std::move(finding));
+    const int begin = static_cast<int>(std::min<long long>(frame, std::numeric_limits<int>::max() - 1));
+    table_.findings.push_back(
+        FindingOfFrames(code, begin, begin + 1, value, std::move(message), FindingAction::kDropped));
   }
 
   Expected<JointTable> Finish() {

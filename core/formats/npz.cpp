@@ -71,11 +71,8 @@ Expected<Npz> ParseNpz(std::string_view bytes, const std::string& name, const Np
 }
 
 Finding UnsafeMember(const Error& unsafe) {
-  Finding finding;
-  finding.code = "unsafe_pickle";
-  finding.message = unsafe.Message() + "; the member is skipped";
-  finding.action = FindingAction::kExcluded;
-  return finding;
+  return MakeFinding("unsafe_pickle", Severity::kWarning, 0.0, unsafe.Message() + "; the member is skipped",
+                     FindingAction::kExcluded);
 }
 
 Expected<std::string> EncodeNpz(const Npz& npz, const std::string& name) {

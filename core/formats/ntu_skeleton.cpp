@@ -82,15 +82,11 @@ class NtuParser {
   void Report(const char* code, double value, int line, const std::string& what) {
     constexpr std::size_t kMostFindings = 1000;
     if (skeleton_.findings.size() >= kMostFindings) return;
-    Finding finding;
-    finding.code = code;
-    finding.frame_begin = std::max(frame_, 0);
-    finding.frame_end = finding.frame_begin + 1;
-    if (joint_ >= 0) finding.joint = std::to_string(joint_);
-    finding.value = value;
-    finding.message = name_ + ":" + std::to_string(line) + ": " + what + Where();
-    finding.action = FindingAction::kDropped;
-    skeleton_.findings.push_back(std::move(finding));
+    const int begin = std::max(frame_, 0);
+    skeleton_.findings.push_back(FindingOfFrames(code, begin, begin + 1, value,
+                                                 name_ + ":" + std::to_string(line) + ": " + what + Where(),
+                                                 FindingAction::kDropped));
+    if (joint_ >= 0) skeleton_.findings.back().joint = std::to_string(joint_);
   }
 
   /// Drops the frame in which the file ends; one finding replaces those of its lines.
