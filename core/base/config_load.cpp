@@ -270,16 +270,13 @@ void ApplyProfile(ConfigNode& root, ProblemList& problems) {
   root.mapping.erase(at);
   const ConfigNode* chosen = root.Find("profile");
   if (chosen == nullptr || chosen->scalar.empty()) return;
-  std::string known;
   std::vector<std::string> names;
   for (auto& [name, profile] : profiles.mapping) {
     if (name == chosen->scalar) return internal::Merge(root, std::move(profile));
-    known += (known.empty() ? "" : ", ") + name;
     names.push_back(name);
   }
-  const auto near = Nearest(chosen->scalar, names);
   problems.Add(chosen->origin.Text(), "there is no profile " + internal::Quoted(chosen->scalar),
-               near ? "did you mean '" + *near + "'?" : "there are: " + known);
+               DidYouMean(chosen->scalar, names, "there are: " + JoinTexts(names)));
 }
 
 }  // namespace

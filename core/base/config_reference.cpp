@@ -16,12 +16,6 @@ std::string Cell(std::string_view text) {
   return cell;
 }
 
-std::string Joined(const std::vector<std::string>& texts) {
-  std::string list;
-  for (const std::string& text : texts) list += (list.empty() ? "" : ", ") + text;
-  return list;
-}
-
 std::string Code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
 
 /// Writes one row of a Markdown table per option.
@@ -55,7 +49,7 @@ class ReferenceWriter final : public OptionVisitor {
     Row(name, "list of numbers", mocurate::Name(unit), "[" + list + "]", RangeText(range, unit), help);
   }
   void Texts(const char* name, std::vector<std::string>& value, const char* help) override {
-    Row(name, "list of texts", "", "[" + Joined(value) + "]", "", help);
+    Row(name, "list of texts", "", "[" + JoinTexts(value) + "]", "", help);
   }
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char* help) override {
     std::string map;
@@ -64,12 +58,12 @@ class ReferenceWriter final : public OptionVisitor {
   }
   void ChoiceIndex(const char* name, std::size_t& index, const std::vector<std::string>& names,
                    const char* help) override {
-    Row(name, "choice", "", names[index], Joined(names), help);
+    Row(name, "choice", "", names[index], JoinTexts(names), help);
   }
 
   void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
                   const char* help) override {
-    Row(name, "list of choices", "", "[" + Joined(value) + "]", Joined(names), help);
+    Row(name, "list of choices", "", "[" + JoinTexts(value) + "]", JoinTexts(names), help);
   }
 
   void BeginGroup(const char* name, const char* help) override {

@@ -153,8 +153,7 @@ class Resolver {
                     "${" + name + "} names neither a key of this configuration nor an environment variable", [&] {
                       std::vector<std::string> keys;
                       CollectKeys(root_, "", keys);
-                      const std::optional<std::string> nearest = Nearest(name, keys);
-                      return nearest ? "did you mean '" + *nearest + "'?" : HowToSet(name);
+                      return DidYouMean(name, keys, HowToSet(name));
                     });
       return false;
     }

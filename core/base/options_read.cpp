@@ -132,11 +132,7 @@ class OptionReader final : public OptionVisitor {
   }
 
   void Texts(const char* name, std::vector<std::string>& value, const char*) override {
-    const ConfigNode* node = FindList(name, "must be a list of texts");
-    if (node == nullptr) return;
-    std::vector<std::string> texts(node->sequence.size());
-    for (std::size_t i = 0; i < texts.size(); ++i) ReadText(node->sequence[i], Indexed(Name(name), i), texts[i]);
-    value = std::move(texts);
+    ChoiceList(name, value, {}, "");
   }
 
   void TextMap(const char* name, std::map<std::string, std::string>& value, const char*) override {
@@ -159,6 +155,7 @@ class OptionReader final : public OptionVisitor {
     index = static_cast<std::size_t>(found - names.begin());
   }
 
+  /// Without `names`: of any texts.
   void ChoiceList(const char* name, std::vector<std::string>& value, const std::vector<std::string>& names,
                   const char*) override {
     const ConfigNode* node = FindList(name, "must be a list of texts");
@@ -167,7 +164,7 @@ class OptionReader final : public OptionVisitor {
     for (std::size_t i = 0; i < texts.size(); ++i) {
       const std::string element = Indexed(Name(name), i);
       if (!ReadText(node->sequence[i], element, texts[i])) continue;
-      const bool known = std::find(names.begin(), names.end(), texts[i]) != names.end();
+      const bool known = names.empty() || std::find(names.begin(), names.end(), texts[i]) != names.end();
       if (!known) RefuseChoice(node->sequence[i], element, texts[i], names);
     }
     value = std::move(texts);
@@ -302,12 +299,7 @@ class OptionReader final : public OptionVisitor {
 
   void RefuseChoice(const ConfigNode& node, const std::string& name, const std::string& text,
                     const std::vector<std::string>& names) {
-    std::string wanted;
-    for (const std::string& candidate : names) wanted += (wanted.empty() ? "" : ", ") + candidate;
-    Refuse(node, name, Quoted(text) + " must be one of " + wanted, [&] {
-      const std::optional<std::string> nearest = Nearest(text, names);
-      return nearest ? "did you mean '" + *nearest + "'?" : std::string();
-    });
+    Refuse(node, name, Quoted(text) + " must be one of " + JoinTexts(names), [&] { return DidYouMean(text, names, ""); });
   }
 
   bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {

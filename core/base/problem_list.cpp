@@ -1,6 +1,5 @@
 #include "core/base/problem_list.h"
 
-#include <optional>
 #include <utility>
 
 #include "core/base/text.h"
@@ -35,11 +34,8 @@ Status ProblemList::Result() const {
 }
 
 std::string HintFor(const std::string& word, const std::vector<std::string>& known) {
-  if (const std::optional<std::string> nearest = Nearest(word, known)) return "did you mean '" + *nearest + "'?";
-  if (known.empty() || known.size() > kMostListed) return {};
-  std::string hint = "known here: ";
-  for (std::size_t i = 0; i < known.size(); ++i) hint += (i > 0 ? ", " : "") + known[i];
-  return hint;
+  const bool listed = !known.empty() && known.size() <= kMostListed;
+  return DidYouMean(word, known, listed ? "known here: " + JoinTexts(known) : "");
 }
 
 }  // namespace mocurate
