@@ -40,38 +40,10 @@ const char* Packing(std::string_view bytes) {
 }  // namespace
 
 const char* KindName(PickleKind kind) {
-  switch (kind) {
-    case PickleKind::kNone:
-      return "None";
-    case PickleKind::kBool:
-      return "a truth value";
-    case PickleKind::kInteger:
-      return "an integer";
-    case PickleKind::kFloat:
-      return "a number";
-    case PickleKind::kText:
-      return "a text";
-    case PickleKind::kBytes:
-      return "bytes";
-    case PickleKind::kList:
-      return "a list";
-    case PickleKind::kTuple:
-      return "a tuple";
-    case PickleKind::kDict:
-      return "a dictionary";
-    case PickleKind::kArray:
-      return "an array";
-    case PickleKind::kSparse:
-      return "a sparse matrix";
-    case PickleKind::kClass:
-      return "a class";
-    case PickleKind::kDtype:
-      return "a numpy type";
-    case PickleKind::kStorage:
-      return "a storage";
-    default:
-      return "an object";
-  }
+  constexpr const char* kNames[] = {"None",     "a truth value", "an integer",      "a number", "a text",
+                                    "bytes",    "a list",        "a tuple",         "a dictionary", "an array",
+                                    "a sparse matrix", "a class", "a numpy type", "a storage", "an object"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 PickleRef Pickle::top() const { return PickleRef(*this, root, ""); }

@@ -159,84 +159,38 @@ Status PickleMachine::StepStack(unsigned char opcode) {
   }
 }
 
-Status PickleMachine::Step(unsigned char opcode) {
+Status PickleMachine::StepConstant(unsigned char opcode) {
   PickleValue value;
-  switch (opcode) {
-    case '(':
-    case '0':
-    case '1':
-    case '2':
-    case 0x80:
-    case 0x95:
-      return StepStack(opcode);
-    case 'I':
-    case 'L':
-    case 'F':
-    case 'J':
-    case 'K':
-    case 'M':
-    case 'G':
-    case 0x8a:
-    case 0x8b:
-      return StepNumber(opcode);
-    case 'S':
-    case 'T':
-    case 'U':
-    case 'V':
-    case 'X':
-    case 'B':
-    case 'C':
-    case 0x8c:
-    case 0x8d:
-    case 0x8e:
-    case 0x96:
-      return StepText(opcode);
-    case ')':
-    case 't':
-    case 'l':
-    case 'd':
-    case 'a':
-    case 'e':
-    case 's':
-    case 'u':
-    case 0x85:
-    case 0x86:
-    case 0x87:
-    case 0x90:  // ADDITEMS
-      return StepContainer(opcode);
-    case 'p':
-    case 'q':
-    case 'r':
-    case 'g':
-    case 'h':
-    case 'j':
-    case 0x94:
-      return StepMemo(opcode);
-    case 'c':
-    case 'R':
-    case 'b':
-    case 'Q':
-    case 0x81:
-    case 0x92:
-    case 0x93:
-      return StepClass(opcode);
-    case 'N':
-      return PushConstant(std::move(value));
-    case 0x88:
-    case 0x89:
-      value.kind = PickleKind::kBool;
-      value.integer = opcode == 0x88;
-      return PushConstant(std::move(value));
-    case '}':
-      value.kind = PickleKind::kDict;
-      return Push(std::move(value));
-    case ']':
-    case 0x8f:  // EMPTY_SET
-      value.kind = PickleKind::kList;
-      return Push(std::move(value));
-    default:
-      return Unknown(opcode);
+  if (opcode == 0x88 || opcode == 0x89) {
+    value.kind = PickleKind::kBool;
+    value.integer = opcode == 0x88;
+  } else if (opcode != 'N') {
+    value.kind = opcode == '}' ? PickleKind::kDict : PickleKind::kList;
+    return Push(std::move(value));
   }
+  return PushConstant(std::move(value));
+}
+
+Status PickleMachine::Step(unsigned char opcode) {
+  using Work = Status (PickleMachine::*)(unsigned char);
+  static const std::array<Work, 256> works = [] {
+    std::array<Work, 256> all;
+    all.fill(&PickleMachine::Unknown);
+    const std::pair<std::string_view, Work> groups[] = {
+        {"(012\x80\x95", &PickleMachine::StepStack},
+        {"ILFJKMG\x8a\x8b", &PickleMachine::StepNumber},
+        {"STUVXBC\x8c\x8d\x8e\x96", &PickleMachine::StepText},
+        {")tldaesu\x85\x86\x87\x90", &PickleMachine::StepContainer},
+        {"pqrghj\x94", &PickleMachine::StepMemo},
+        {"cRbQ\x81\x92\x93", &PickleMachine::StepClass},
+        {"N}]\x88\x89\x8f", &PickleMachine::StepConstant},
+    };
+    for (const auto& [opcodes, work] : groups) {
+      for (const char one : opcodes) all[static_cast<unsigned char>(one)] = work;
+    }
+    return all;
+  }();
+  return (this->*works[opcode])(opcode);
 }
 
 Status PickleMachine::Unknown(unsigned char opcode) {

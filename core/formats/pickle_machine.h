@@ -88,6 +88,7 @@ class PickleMachine {
 
  private:
   Status Step(unsigned char opcode);
+  Status StepConstant(unsigned char opcode);
   Status StepStack(unsigned char opcode);
   Status StepNumber(unsigned char opcode);
   Status StepText(unsigned char opcode);

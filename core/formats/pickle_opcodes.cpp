@@ -44,25 +44,8 @@ constexpr std::string_view kLines = "ILFSVPpgci";
 
 /// Bytes of a binary argument; of a counted one, of its count. 0: the opcode has none.
 std::size_t BinaryBytes(char opcode) {
-  switch (opcode) {
-    case 'K':
-    case 'U':
-    case 'h':
-    case 'q':
-      return 1;
-    case 'M':
-      return 2;
-    case 'J':
-    case 'T':
-    case 'X':
-    case 'j':
-    case 'r':
-      return 4;
-    case 'G':
-      return 8;
-    default:
-      return 0;
-  }
+  const auto is_one_of = [opcode](std::string_view opcodes) { return opcodes.find(opcode) != std::string_view::npos; };
+  return is_one_of("KUhq") ? 1 : is_one_of("M") ? 2 : is_one_of("JTXjr") ? 4 : is_one_of("G") ? 8 : 0;
 }
 
 }  // namespace
