@@ -71,17 +71,17 @@ Status SetPose(const JsonPlace& place, const std::string& rotation, const std::s
   return CheckPlace(place, translation, view);
 }
 
-Status SetName(const JsonPlace& place, CalibratedView& view) {
-  const Expected<JsonPlace> at = place.Key("name");
+Status SetText(const JsonPlace& place, const std::string& key, std::string& to) {
+  const Expected<JsonPlace> at = place.Key(key);
   if (!at) return Forward(at);
   Expected<std::string> text = at->Text();
   if (!text) return Forward(text);
-  view.name = std::move(*text);
+  to = std::move(*text);
   return {};
 }
 
 Status TomlCamera(const JsonPlace& place, CalibratedView& view) {
-  if (Status status = SetName(place, view); !status) return status;
+  if (Status status = SetText(place, "name", view.name); !status) return status;
   if (Status status = SetSize(place, "size", view); !status) return status;
   if (Status status = SetMatrix(place, "matrix", view); !status) return status;
   if (Status status = SetDistortion(place, "distortions", view); !status) return status;
@@ -100,7 +100,7 @@ Status TomlCamera(const JsonPlace& place, CalibratedView& view) {
 }
 
 Status PlainCamera(const JsonPlace& place, CalibratedView& view) {
-  if (Status status = SetName(place, view); !status) return status;
+  if (Status status = SetText(place, "name", view.name); !status) return status;
   if (Status status = SetSize(place, "size", view); !status) return status;
   if (Status status = SetMatrix(place, "K", view); !status) return status;
   if (Status status = SetDistortion(place, "dist_k1k2p1p2k3", view); !status) return status;
@@ -126,12 +126,8 @@ Status CampusCamera(const JsonPlace& place, CalibratedView& view) {
 }
 
 Status PanopticCamera(const JsonPlace& place, CalibratedView& view) {
-  if (Status status = SetName(place, view); !status) return status;
-  const Expected<JsonPlace> kind = place.Key("type");
-  if (!kind) return Forward(kind);
-  Expected<std::string> text = kind->Text();
-  if (!text) return Forward(text);
-  view.kind = std::move(*text);
+  if (Status status = SetText(place, "name", view.name); !status) return status;
+  if (Status status = SetText(place, "type", view.kind); !status) return status;
   if (Status status = SetSize(place, "resolution", view); !status) return status;
   if (Status status = SetMatrix(place, "K", view); !status) return status;
   if (Status status = SetDistortion(place, "distCoef", view); !status) return status;
@@ -198,15 +194,6 @@ Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
   }
 }
 
-Expected<Calibration> CalibrationFromJson(std::string_view bytes, const std::string& name,
-                                          Status (*read)(const JsonPlace& root, Calibration& calibration)) {
-  const Expected<json> document = ParseLenientJson(bytes, name);
-  if (!document) return Forward(document);
-  Calibration calibration;
-  if (Status status = read(JsonPlace{&*document, "", &name}, calibration); !status) return Forward(status);
-  return calibration;
-}
-
 Status Human36mView(const JsonPlace& root, const std::string& subject, const JsonPlace& extrinsic,
                     const std::string& id, Calibration& calibration) {
   // mmpose, tools/dataset/preprocess_h36m.py
@@ -229,76 +216,115 @@ Status Human36mView(const JsonPlace& root, const std::string& subject, const Jso
   return {};
 }
 
-}  // namespace
-
-Expected<Calibration> ParsePose2SimToml(std::string_view bytes, const std::string& name) {
-  const Expected<json> document = ParseToml(bytes, name);
-  if (!document) return Forward(document);
-  Calibration calibration;
+Status ReadPose2Sim(const JsonPlace& root, Calibration& calibration) {
   calibration.dialect = "pose2sim_toml";
   calibration.reading = PoseConvention::kWorldToCamera;
   calibration.metres_per_unit = 1.0;
-  const JsonPlace root{&*document, "", &name};
-  if (Status status = AddViews(root, true, TomlCamera, calibration); !status) return Forward(status);
-  return calibration;
+  return AddViews(root, true, TomlCamera, calibration);
 }
 
-Expected<Calibration> ParsePlainCameras(std::string_view bytes, const std::string& name) {
-  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
-    calibration.dialect = "plain_json";
-    for (const char* key : {"units", "convention", "cameras"}) {
-      if (const Expected<JsonPlace> at = root.Key(key); !at) return Forward(at);
+Status ReadPlainCameras(const JsonPlace& root, Calibration& calibration) {
+  calibration.dialect = "plain_json";
+  for (const char* key : {"units", "convention", "cameras"}) {
+    if (const Expected<JsonPlace> at = root.Key(key); !at) return Forward(at);
+  }
+  const Expected<std::string> units = root.Key("units")->Text();
+  if (!units) return Forward(units);
+  const Expected<std::string> convention = root.Key("convention")->Text();
+  if (!convention) return Forward(convention);
+  if (*units == "metre" || *units == "m") calibration.metres_per_unit = 1.0;
+  if (*units == "centimetre" || *units == "cm") calibration.metres_per_unit = 0.01;
+  if (*units == "millimetre" || *units == "mm") calibration.metres_per_unit = 0.001;
+  if (calibration.metres_per_unit == 0.0)
+    return root.Key("units")->Bad("metre, centimetre or millimetre is expected");
+  if (convention->rfind("x_cam = R X_world + t", 0) != 0) {
+    return root.Key("convention")->Bad("'x_cam = R X_world + t' is expected");
+  }
+  calibration.reading = PoseConvention::kWorldToCamera;
+  return AddViews(*root.Key("cameras"), false, PlainCamera, calibration);
+}
+
+Status ReadHuman36m(const JsonPlace& root, Calibration& calibration) {
+  calibration.dialect = "human36m";
+  const Expected<JsonPlace> subjects = root.Key("extrinsics");
+  if (!subjects) return Forward(subjects);
+  if (!subjects->value->is_object() || subjects->value->empty()) return subjects->Bad("a subject is expected");
+  for (const auto& subject : subjects->value->items()) {
+    const JsonPlace cameras{&subject.value(), subjects->path + "/" + subject.key(), root.file};
+    if (!cameras.value->is_object() || cameras.value->empty()) return cameras.Bad("at least one camera is expected");
+    for (const auto& camera : cameras.value->items()) {
+      const JsonPlace place{&camera.value(), cameras.path + "/" + camera.key(), root.file};
+      Status status = Human36mView(root, subject.key(), place, camera.key(), calibration);
+      if (!status) return status;
     }
-    const Expected<std::string> units = root.Key("units")->Text();
-    if (!units) return Forward(units);
-    const Expected<std::string> convention = root.Key("convention")->Text();
-    if (!convention) return Forward(convention);
-    if (*units == "metre" || *units == "m") calibration.metres_per_unit = 1.0;
-    if (*units == "centimetre" || *units == "cm") calibration.metres_per_unit = 0.01;
-    if (*units == "millimetre" || *units == "mm") calibration.metres_per_unit = 0.001;
-    if (calibration.metres_per_unit == 0.0)
-      return root.Key("units")->Bad("metre, centimetre or millimetre is expected");
-    if (convention->rfind("x_cam = R X_world + t", 0) != 0) {
-      return root.Key("convention")->Bad("'x_cam = R X_world + t' is expected");
-    }
-    calibration.reading = PoseConvention::kWorldToCamera;
-    return AddViews(*root.Key("cameras"), false, PlainCamera, calibration);
-  });
+  }
+  return {};
 }
 
-Expected<Calibration> ParseHuman36m(std::string_view bytes, const std::string& name) {
-  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
-    calibration.dialect = "human36m";
-    const Expected<JsonPlace> subjects = root.Key("extrinsics");
-    if (!subjects) return Forward(subjects);
-    if (!subjects->value->is_object() || subjects->value->empty()) return subjects->Bad("a subject is expected");
-    for (const auto& subject : subjects->value->items()) {
-      const JsonPlace cameras{&subject.value(), subjects->path + "/" + subject.key(), root.file};
-      if (!cameras.value->is_object() || cameras.value->empty()) return cameras.Bad("at least one camera is expected");
-      for (const auto& camera : cameras.value->items()) {
-        const JsonPlace place{&camera.value(), cameras.path + "/" + camera.key(), root.file};
-        Status status = Human36mView(root, subject.key(), place, camera.key(), calibration);
-        if (!status) return status;
-      }
-    }
-    return {};
-  });
+Status ReadCampusShelf(const JsonPlace& root, Calibration& calibration) {
+  calibration.dialect = "campus_shelf";
+  return AddViews(root, true, CampusCamera, calibration);
 }
 
-Expected<Calibration> ParseCampusShelf(std::string_view bytes, const std::string& name) {
-  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
-    calibration.dialect = "campus_shelf";
-    return AddViews(root, true, CampusCamera, calibration);
-  });
+Status ReadPanoptic(const JsonPlace& root, Calibration& calibration) {
+  calibration.dialect = "panoptic";
+  const Expected<JsonPlace> cameras = root.Key("cameras");
+  if (!cameras) return Forward(cameras);
+  return AddViews(*cameras, false, PanopticCamera, calibration);
 }
 
-Expected<Calibration> ParsePanopticCameras(std::string_view bytes, const std::string& name) {
-  return CalibrationFromJson(bytes, name, [](const JsonPlace& root, Calibration& calibration) -> Status {
-    calibration.dialect = "panoptic";
-    const Expected<JsonPlace> cameras = root.Key("cameras");
-    if (!cameras) return Forward(cameras);
-    return AddViews(*cameras, false, PanopticCamera, calibration);
+using Reader = Status (*)(const JsonPlace& root, Calibration& calibration);
+
+/// By the keys that a JSON document has; null for no known format.
+Reader ReaderOf(const JsonPlace& root) {
+  if (root.Has("rig")) return ReadPhspdRigs;
+  if (root.Has("extrinsics") || root.Has("intrinsics")) return ReadHuman36m;
+  if (root.Has("convention")) return ReadPlainCameras;
+  if (root.Has("cameras")) return ReadPanoptic;
+  const bool campus = std::any_of(root.value->begin(), root.value->end(), [&](const json& camera) {
+    const JsonPlace place{&camera, "", root.file};
+    return place.Has("fx") || place.Has("fy") || place.Has("cx") || place.Has("cy");
   });
+  return campus ? ReadCampusShelf : nullptr;
+}
+
+}  // namespace
+
+std::string_view Name(PoseConvention reading) {
+  constexpr std::string_view kNames[] = {"unknown", "world_to_camera", "centre", "camera_to_world"};
+  return kNames[static_cast<std::size_t>(reading)];
+}
+
+Camera CameraOf(const CalibratedView& view, PoseConvention reading, double metres_per_unit) {
+  Camera camera;
+  camera.name = view.name;
+  camera.width = view.width;
+  camera.height = view.height;
+  camera.fx = view.fx, camera.fy = view.fy, camera.cx = view.cx, camera.cy = view.cy;
+  camera.distortion = view.distortion;
+  const Quaterniond rotation = Quaterniond(NearestRotation(view.rotation)).normalized();
+  const Vector3d t = view.translation * metres_per_unit;
+  if (reading == PoseConvention::kCameraToWorld) {
+    camera.camera_from_world = Inverse(RigidTransform{rotation, t});
+  } else if (reading == PoseConvention::kCentre) {
+    camera.camera_from_world = {rotation, -(rotation * t)};
+  } else {
+    camera.camera_from_world = {rotation, t};
+  }
+  return camera;
+}
+
+std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& view) {
+  view.fx = matrix[0], view.cx = matrix[2], view.fy = matrix[4], view.cy = matrix[5];
+  if (!(view.fx > 0.0) || !(view.fy > 0.0)) {
+    return "the focal lengths must be positive, not " + FormatDouble(view.fx) + " and " + FormatDouble(view.fy) +
+           " px: correct them, or remove the camera";
+  }
+  if (matrix[3] != 0.0 || matrix[6] != 0.0 || matrix[7] != 0.0 || matrix[8] != 1.0) {
+    return "the matrix is not a camera matrix (fx s cx; 0 fy cy; 0 0 1)";
+  }
+  if (std::abs(matrix[1]) > 1e-6 * view.fx) return "a skew of " + FormatDouble(matrix[1]) + " px is not supported";
+  return {};
 }
 
 bool LooksLikeCalibration(std::string_view bytes) {
@@ -319,19 +345,15 @@ Expected<Calibration> ParseCalibration(std::string_view bytes, const std::string
   const std::string_view content = Trim(bytes);
   if (!content.empty() && content[0] == '\x80') return ParsePhspdRigPickle(bytes, name);
   if (!content.empty() && content[0] == '<') return ParseQualisys(bytes, name);
-  if (!content.empty() && content[0] != '{') return ParsePose2SimToml(bytes, name);
-  const Expected<json> document = ParseLenientJson(bytes, name);
+  const bool toml = !content.empty() && content[0] != '{';
+  const Expected<json> document = toml ? ParseToml(bytes, name) : ParseLenientJson(bytes, name);
   if (!document) return Forward(document);
   const JsonPlace root{&*document, "", &name};
-  if (root.Has("rig")) return ParsePhspdRigs(bytes, name);
-  if (root.Has("extrinsics") || root.Has("intrinsics")) return ParseHuman36m(bytes, name);
-  if (root.Has("convention")) return ParsePlainCameras(bytes, name);
-  if (root.Has("cameras")) return ParsePanopticCameras(bytes, name);
-  const bool campus = std::any_of(document->begin(), document->end(), [&](const json& camera) {
-    const JsonPlace place{&camera, "", &name};
-    return camera.is_object() && (place.Has("fx") || place.Has("fy") || place.Has("cx") || place.Has("cy"));
-  });
-  if (campus) return ParseCampusShelf(bytes, name);
+  Calibration calibration;
+  if (const Reader read = toml ? ReadPose2Sim : ReaderOf(root)) {
+    if (Status status = read(root, calibration); !status) return Forward(status);
+    return calibration;
+  }
   return Fail(ErrorCode::kUnsupported, "the file is not a calibration of a known format", name,
               "known are Qualisys, Pose2Sim, Human3.6M, Campus/Shelf, Panoptic, PHSPD and plain cameras");
 }

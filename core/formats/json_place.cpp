@@ -146,27 +146,20 @@ Expected<Vector3d> JsonPlace::Vector() const {
   return Vector3d((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
 
-Expected<Matrix3d> JsonPlace::Matrix() const {
+Expected<Matrix3d> JsonPlace::Rotation() const {
   const Expected<std::vector<double>> numbers = Table(3, 3);
   if (!numbers) return Forward(numbers);
-  return Matrix3d(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data()));
+  const Matrix3d matrix(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data()));
+  const std::string fault = RotationFault(matrix);
+  if (fault.empty()) return matrix;
+  return Fail(ErrorCode::kInconsistent, fault, Where(),
+              "its rows must be orthonormal: correct the number that is wrong, or copy the file again");
 }
 
-Expected<Matrix3d> JsonPlace::Rotation(double tolerance) const {
-  const Expected<Matrix3d> matrix = Matrix();
-  if (!matrix) return Forward(matrix);
-  const std::string fault = RotationFault(*matrix, tolerance);
-  if (!fault.empty()) {
-    return Fail(ErrorCode::kInconsistent, fault, Where(),
-                "its rows must be orthonormal: correct the number that is wrong, or copy the file again");
-  }
-  return *matrix;
-}
-
-std::string RotationFault(const Matrix3d& matrix, double tolerance) {
+std::string RotationFault(const Matrix3d& matrix) {
   const double deviation = (matrix * matrix.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff();
   const double determinant = matrix.determinant();
-  if (deviation < tolerance && determinant > 0.0) return {};
+  if (deviation < 1e-3 && determinant > 0.0) return {};
   return "the matrix is not a rotation (deviation " + FormatDouble(deviation) + ", determinant " +
          FormatDouble(determinant) + ")";
 }

@@ -34,10 +34,8 @@ struct JsonPlace {
   /// `rows` lists of `columns` numbers, or, for one column, `rows` numbers as well. Row-major.
   Expected<std::vector<double>> Table(std::size_t rows, std::size_t columns) const;
   Expected<Vector3d> Vector() const;
-  /// 3 x 3, whatever its values.
-  Expected<Matrix3d> Matrix() const;
-  /// 3 x 3 that is a rotation to `tolerance`, as written in the file. Error kInconsistent.
-  Expected<Matrix3d> Rotation(double tolerance = 1e-3) const;
+  /// 3 x 3 that is a rotation by RotationFault, as written in the file. Error kInconsistent.
+  Expected<Matrix3d> Rotation() const;
 };
 
 /// ParseJson of files of other programs: a byte order mark is skipped, and NaN, Infinity and -Infinity, which Python's
@@ -47,8 +45,8 @@ Expected<nlohmann::json> ParseLenientJson(std::string_view bytes, const std::str
 /// NaN or an infinity as ParseLenientJson reads them, or null, which others write in their place.
 bool IsNonFinite(const nlohmann::json& value);
 
-/// How far a matrix is from being a rotation, as words; empty when it is one to `tolerance`.
-std::string RotationFault(const Matrix3d& matrix, double tolerance);
+/// How far a matrix is from being a rotation, as words; empty when it is one to 1e-3.
+std::string RotationFault(const Matrix3d& matrix);
 
 /// place.Key(key)->X() in one step.
 Expected<std::vector<double>> NumbersAt(const JsonPlace& place, const std::string& key, std::size_t count);

@@ -18,7 +18,6 @@
 namespace mocurate {
 namespace {
 
-constexpr double kStoredRotationTolerance = 1e-3;
 constexpr double kStoredRotationAgreement = 1e-4;  ///< radians between R_n and Rot_n
 constexpr int kMaxStoredSide = 100'000;
 /// Of a storage in YAML: thousands of cameras. yaml-cpp takes up to 250 bytes for each of its bytes.
@@ -231,7 +230,7 @@ Status SetStoredPose(const OpenCvStorage& storage, const std::string& matrix_key
   if (!numbers) return Forward(numbers);
   if (has_matrix) {
     view.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers->data());
-    const std::string fault = RotationFault(view.rotation, kStoredRotationTolerance);
+    const std::string fault = RotationFault(view.rotation);
     if (!fault.empty()) return Fail(ErrorCode::kInconsistent, fault, storage.Where(matrix_key));
     if (vector_key != matrix_key && storage.numbers.count(vector_key) > 0) {
       const auto vector = storage.Get(vector_key, 3, 3);

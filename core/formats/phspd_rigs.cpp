@@ -95,11 +95,7 @@ nlohmann::json Nested(const NpyArray& array, std::size_t axis, std::size_t& next
 
 }  // namespace
 
-Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& name) {
-  const Expected<nlohmann::json> document = ParseLenientJson(bytes, name);
-  if (!document) return Forward(document);
-  const JsonPlace root{&*document, "", &name};
-  Calibration calibration;
+Status ReadPhspdRigs(const JsonPlace& root, Calibration& calibration) {
   calibration.dialect = "phspd";
   if (root.Has("units")) {
     const Expected<std::string> units = root.Key("units")->Text();
@@ -111,11 +107,11 @@ Expected<Calibration> ParsePhspdRigs(std::string_view bytes, const std::string& 
   if (!rigs) return Forward(rigs);
   if (!rigs->value->is_object() || rigs->value->empty()) return rigs->Bad("at least one rig is expected");
   for (const auto& rig : rigs->value->items()) {
-    const JsonPlace place{&rig.value(), rigs->path + "/" + rig.key(), &name};
+    const JsonPlace place{&rig.value(), rigs->path + "/" + rig.key(), root.file};
     if (!place.value->is_object()) return place.Bad("a rig is expected");
-    if (Status status = AddRig(place, rig.key(), calibration); !status) return Forward(status);
+    if (Status status = AddRig(place, rig.key(), calibration); !status) return status;
   }
-  return calibration;
+  return {};
 }
 
 Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::string& name) {
@@ -140,7 +136,9 @@ Expected<Calibration> ParsePhspdRigPickle(std::string_view bytes, const std::str
   const std::string file = name.substr(slash == std::string::npos ? 0 : slash + 1);
   const nlohmann::json rigs = {{"units", "mm"},
                                {"rig", {{file.substr(0, file.rfind('.')), rig}}}};  // millimetres by the set's own code
-  return ParsePhspdRigs(rigs.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), name);
+  Calibration calibration;
+  if (Status status = ReadPhspdRigs(JsonPlace{&rigs, "", &name}, calibration); !status) return Forward(status);
+  return calibration;
 }
 
 }  // namespace mocurate

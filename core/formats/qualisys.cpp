@@ -110,7 +110,7 @@ Expected<CalibratedView> ParseCamera(const QualisysElement& camera) {
   const auto r = transform->Numbers({"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"});
   if (!r) return Forward(r);
   const Matrix3d given(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(r->data()));
-  if (const std::string fault = RotationFault(given, 1e-3); !fault.empty()) {
+  if (const std::string fault = RotationFault(given); !fault.empty()) {
     return Fail(ErrorCode::kInconsistent, fault, transform->Where("r11..r33"));
   }
   view.rotation = Vector3d(1, -1, -1).asDiagonal() * given;

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/formats/calibration.h"
+#include "core/formats/camera_files.h"
 #include "ingest/inspect/measure.h"
 #include "ingest/inspect/raw_clip.h"
 

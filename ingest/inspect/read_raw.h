@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/finding.h"
 #include "core/formats/calibration.h"
+#include "core/formats/camera_files.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"
 #include "core/formats/openpose.h"

@@ -62,7 +62,7 @@ TEST(Calibration, NamesEveryDamagedAttributeOfAQualisysCamera) {
 <transform r11="1" r12="0" r13="0" r21="0" r22="1" r23="0" r31="0" r32="0" r33="1" x="1000" y="0" z="0"/>
 <intrinsic focalLengthU="6400" focalLengthV="6400" centerPointU="3200" centerPointV="1600" skew="0" radialDistortion1="0"
 radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDistortion2="0"/></camera></cameras></calibration>)";
-  const auto calibration = ParseQualisys(text, "q.txt");
+  const auto calibration = ParseCalibration(text, "q.txt");
   ASSERT_TRUE(calibration) << calibration.error().Message();
   EXPECT_EQ(calibration->views[0].name, "a & b");
   EXPECT_EQ(CamerasOf(*calibration)[0].Centre(), Vector3d(1, 0, 0));
@@ -73,18 +73,18 @@ radialDistortion2="0" radialDistortion3="0" tangentalDistortion1="0" tangentalDi
     at += 2;
     std::string damaged = text;
     damaged.replace(at, text.find('"', at) - at, "x");
-    auto refused = ParseQualisys(damaged, "q.txt");
+    auto refused = ParseCalibration(damaged, "q.txt");
     ASSERT_FALSE(refused) << name;
     EXPECT_THAT(refused.error().where, HasSubstr(name));
     damaged = text;
     damaged.erase(key, text.find('"', at) + 1 - key);
-    refused = ParseQualisys(damaged, "q.txt");
+    refused = ParseCalibration(damaged, "q.txt");
     ASSERT_FALSE(refused) << name;
     EXPECT_THAT(refused.error().where, HasSubstr(name));
   }
   EXPECT_EQ(attributes, 26);
   const auto altered = [&](const std::string& from, const std::string& to) {
-    return ParseQualisys(Replaced(text, from, to), "q.txt");
+    return ParseCalibration(Replaced(text, from, to), "q.txt");
   };
   ExpectError(altered("right=\"99\"", "right=\"0\""), ErrorCode::kInconsistent, "q.txt:1:fov_video/left, right");
   ExpectMalformed(altered("skew=", "focallength=\"9.3o\" skew="),
@@ -224,7 +224,7 @@ TEST(Toml, RejectsSyntaxErrorsWithTheirPlace) {
       {"b = 'it\u00e4' # \u00e4\n[c]\nname = \"\u00e4\"\n", "c.toml:/b"},
       {"[c]\nname = 2020-01-01\n", "c.toml:/c/name"},
       {"[c]\nname = 'c'\nsize = [nan, 1]\n", "c.toml:/c/size/0"}};
-  for (const auto& [text, place] : cases) ExpectMalformedWithin(ParsePose2SimToml(text, "c.toml"), place, text);
+  for (const auto& [text, place] : cases) ExpectMalformedWithin(ParseCalibration(text, "c.toml"), place, text);
 }
 
 TEST(Toml, NamesEveryDamagedFieldOfAPose2SimCamera) {
@@ -232,19 +232,19 @@ TEST(Toml, NamesEveryDamagedFieldOfAPose2SimCamera) {
       "[c]\nname = \"c\"\nsize = [ 10.0, 20.0,]\nmatrix = [ [ 5.0, 0.0, 1.0,], [ 0.0, 5.0, 2.0,], [ 0.0, 0.0, 1.0,],]\n"
       "distortions = [ 0.1, 0.2, 0.3, 0.4,]\nrotation = [ 1.0, 0.0, 0.0,]\ntranslation = [ 0.0, 0.0, 4.0,]\nfisheye = "
       "false\n";
-  ASSERT_TRUE(ParsePose2SimToml(text, "c.toml"));
+  ASSERT_TRUE(ParseCalibration(text, "c.toml"));
   for (const char* key : {"name", "size", "matrix", "distortions", "rotation", "translation"}) {
     std::string damaged = text;
     damaged.replace(damaged.find(key), 1, "z");
-    ExpectMalformed(ParsePose2SimToml(damaged, "c.toml"), "c.toml:/c");
+    ExpectMalformed(ParseCalibration(damaged, "c.toml"), "c.toml:/c");
   }
   for (std::size_t at = text.find("10.0"); (at = text.find(".0", at)) != std::string::npos; ++at) {
     std::string damaged = text;
     damaged.insert(at, "?");
     const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n') + 1;
-    ExpectMalformedWithin(ParsePose2SimToml(damaged, "c.toml"), "c.toml:" + std::to_string(line), damaged);
+    ExpectMalformedWithin(ParseCalibration(damaged, "c.toml"), "c.toml:" + std::to_string(line), damaged);
   }
-  ExpectError(ParsePose2SimToml(Replaced(text, "false", "true"), "c.toml"), ErrorCode::kUnsupported,
+  ExpectError(ParseCalibration(Replaced(text, "false", "true"), "c.toml"), ErrorCode::kUnsupported,
               "c.toml:/c/fisheye");
 }
 
@@ -261,7 +261,7 @@ TEST(Xml, RejectsSyntaxErrorsWithTheirLine) {
                                                        {"<a>\n\xFF</a>", "c.xml:2"},
                                                        {"<a>\n\x04</a>", "c.xml:2"},
                                                        {deep, "c.xml:1"}};
-  for (const auto& [text, place] : cases) ExpectMalformed(ParseQualisys(text, "c.xml"), place);
+  for (const auto& [text, place] : cases) ExpectMalformed(ParseCalibration(text, "c.xml"), place);
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ TEST_F(Layouts, KeypointsOfAllCamerasTriangulateToTheGroundTruth) {
     options.rig.kind = kind;
     Write(options);
     const std::string calibration_text = Bytes("openpose/calib.json");
-    const auto calibration = ParsePlainCameras(calibration_text, "calib.json");
+    const auto calibration = ParseCalibration(calibration_text, "calib.json");
     ASSERT_TRUE(calibration) << calibration.error().Message();
     ASSERT_EQ(calibration->views.size(), 4u);
     const Motion& motion = truth.begin()->second;
