@@ -1,9 +1,5 @@
 #include "core/store/content_file.h"
 
-#include <algorithm>
-
-#include "core/base/file.h"
-
 namespace mocurate::store {
 namespace {
 
@@ -19,29 +15,6 @@ Status CheckSplitNames(const Content& content, const std::filesystem::path& path
                 "use a name without '/'");
   }
   return {};
-}
-
-constexpr std::uint64_t kOnDisk = 4u << 20;  // bytes of a file that is not made in memory
-
-/// Bytes that the fields take in a file, nearly.
-std::uint64_t BytesOf(const Content& content) {
-  std::uint64_t bytes = 0;
-  for (const auto& [path, array] : content.fields) {
-    const std::uint64_t count = array.count();
-    bytes += std::visit(
-        [count](const auto& held) -> std::uint64_t {
-          using Value = typename std::decay_t<decltype(held)>::value_type;
-          if constexpr (!std::is_same_v<Value, std::string>) return count * sizeof(Value);
-          std::uint64_t longest = 0;
-          if constexpr (std::is_same_v<Value, std::string>) {
-            for (const std::string& text : held) longest = std::max<std::uint64_t>(longest, text.size());
-          }
-          return count * longest;
-        },
-        array.values);
-  }
-  for (const auto& [path, field] : content.extra) bytes += field.count() * ValueBytes(field);
-  return bytes;
 }
 
 }  // namespace
@@ -83,16 +56,9 @@ Expected<ContentWriter> ContentWriter::Create(const Schema& schema, Content cont
   if (Status checked = CheckContent(schema, content, ErrorCode::kInconsistent, where); !checked) {
     return Forward(checked);
   }
-  std::optional<PendingFile> file;
-  std::error_code unknown;
-  if (BytesOf(content) >= kOnDisk && !std::filesystem::is_other(std::filesystem::status(path, unknown))) {
-    auto pending = PendingFile::CreateOutput(path);
-    if (!pending) return Forward(pending);
-    file.emplace(std::move(*pending));
-  }
-  auto writer = file ? Hdf5Writer::Create(file->descriptor(), path) : Hdf5Writer::Create();
+  auto writer = Hdf5Writer::Create(path);
   if (!writer) return Forward(writer);
-  ContentWriter made(path, std::move(file), std::move(*writer));
+  ContentWriter made(path, std::move(*writer));
   if (Status written = made.WriteFields(schema, std::move(content)); !written) return Forward(written);
   return made;
 }
@@ -168,9 +134,7 @@ Status ContentWriter::Finish() {
     lines_[field] = FieldLine(growing.shape, sha256);
   }
   if (Status put = writer_.AttributeOf("/", "content_sha256", ContentSha256(lines_)); !put) return put;
-  if (!file_) return writer_.Finish([this](std::string_view bytes) { return WriteFile(path_, bytes); });
-  if (Status finished = writer_.Finish(); !finished) return finished;
-  return file_->Publish();
+  return writer_.Finish();
 }
 
 Status WriteContent(const Schema& schema, Content content, const std::filesystem::path& path) {

@@ -2,9 +2,7 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 
-#include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/motion/skeleton.h"
 #include "core/store/hdf5_file.h"
@@ -12,8 +10,7 @@
 
 namespace mocurate::store {
 
-/// Writes a file of fields whose rows may be appended later; the file appears atomically. A large file is written to
-/// disk incrementally, a small one in memory; the bytes are the same.
+/// Writes a file of fields whose rows may be appended later; the file appears atomically.
 class ContentWriter {
  public:
   /// Sets /@schema, /@units and /@content_sha256, checks `content` against the table (error kInconsistent) and writes
@@ -34,13 +31,12 @@ class ContentWriter {
     std::uint64_t rows = 0;
     Sha256 hasher;
   };
-  ContentWriter(std::filesystem::path path, std::optional<PendingFile> file, Hdf5Writer writer)
-      : path_(std::move(path)), file_(std::move(file)), writer_(std::move(writer)) {}
+  ContentWriter(std::filesystem::path path, Hdf5Writer writer)
+      : path_(std::move(path)), writer_(std::move(writer)) {}
   Status WriteFields(const Schema& schema, Content content);
   Status WriteExtra(const ExtraFields& extra);
 
   std::filesystem::path path_;
-  std::optional<PendingFile> file_;  ///< empty: in memory
   Hdf5Writer writer_;
   std::map<std::string, Growing> growing_;
   std::map<std::string, std::pair<ExtraField, std::uint64_t>> growing_extra_;  ///< shape, and rows that came

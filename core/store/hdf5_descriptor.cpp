@@ -1,11 +1,11 @@
-#include "core/store/hdf5_descriptor.h"
-
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <iterator>
+
+#include "core/store/hdf5_file.h"
 
 namespace mocurate::store {
 namespace {

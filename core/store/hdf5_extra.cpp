@@ -161,11 +161,6 @@ Expected<std::vector<std::string>> TextsOfAttribute(const Opened& opened, std::u
 
 }  // namespace
 
-std::uint64_t ValueBytes(const ExtraField& field) {
-  const Hdf5Id type = TypeIn(field);
-  return type.ok() ? H5Tget_size(type.get()) : 0;
-}
-
 Expected<std::vector<std::string>> Hdf5Reader::PathsBeyond(const std::set<std::string>& known) const {
   std::vector<std::string> paths;
   const Status whole = Walk([&](const std::string& path, hid_t object, H5O_type_t type) {

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/file.h"
 #include "core/store/array.h"
 #include "core/store/extra_field.h"
-#include "core/store/hdf5_descriptor.h"
 
 namespace mocurate::store {
 
@@ -39,9 +39,6 @@ class Hdf5Id {
 
 /// From now on HDF5 prints nothing on stderr from this thread, also not at exit after it has met a broken file.
 void SilenceHdf5();
-
-/// Bytes of a value of this field in a file; of a text, of its reference.
-std::uint64_t ValueBytes(const ExtraField& field);
 
 /// "file.h5:/frames/joints".
 std::string Where(const std::filesystem::path& file, const std::string& field);
@@ -118,15 +115,25 @@ class Hdf5Reader {
   mutable std::map<std::string, Rows> rows_;  ///< stay open, so that HDF5 unpacks a chunk once
 };
 
-/// Builds an HDF5 file, in memory or in a file that is open: no input or output can fail inside HDF5. Same calls, same
+/// An open file that HDF5 writes through `DescriptorDriver`. Nothing fails inside HDF5, which cannot go on after a
+/// failed write: the first error is kept here and what follows is thrown away.
+struct DescriptorFile {
+  int descriptor = -1;    ///< of an empty file, open for reading and writing; not closed here
+  int error = 0;          ///< errno of the first write that failed; 0: none did
+  bool finished = false;  ///< nothing is written any more
+};
+
+/// File access properties for `file`, which must outlive the HDF5 file; its name does not matter. Space is given out as
+/// by HDF5's driver for files in memory: the same calls make the same bytes.
+hid_t DescriptorAccess(DescriptorFile& file);
+
+/// Builds an HDF5 file, which appears when it is finished: no input or output can fail inside HDF5. Same calls, same
 /// bytes: no times, fixed library bounds, contiguous, uncompressed. Bounds start at 1.8, whose metadata carry
 /// checksums.
 class Hdf5Writer {
  public:
-  static Expected<Hdf5Writer> Create();
-  /// Into `descriptor`, an empty file that is open for reading and writing and stays so until Finish. `file` names it
-  /// in messages.
-  static Expected<Hdf5Writer> Create(int descriptor, const std::filesystem::path& file);
+  /// Links of `path` are followed (PendingFile::CreateOutput). Error kCannotWrite, also for a device or a pipe.
+  static Expected<Hdf5Writer> Create(const std::filesystem::path& path);
   /// A dataset "/a/b" (its groups are made) or a text attribute "/@name". Texts are of fixed length, UTF-8,
   /// zero-padded.
   Status Write(const std::string& path, const Array& array);
@@ -139,22 +146,20 @@ class Hdf5Writer {
   Status WriteExtraRows(const std::string& path, std::uint64_t first, const ExtraField& rows);
   /// A text attribute of a dataset, or of the root "/". One that is there gets another text of the same length.
   Status AttributeOf(const std::string& path, const std::string& name, const std::string& text);
-  /// Hands the finished bytes of a file in memory to `sink`.
-  Status Finish(const std::function<Status(std::string_view bytes)>& sink);
-  /// Ends the file that is open; it is neither synced nor closed. Error kCannotWrite, for all that was written before.
+  /// Publishes the file. Error kCannotWrite, for all that was written before.
   Status Finish();
 
  private:
-  static Expected<Hdf5Writer> Made(Hdf5Writer writer, const std::string& name);
+  Hdf5Writer(std::filesystem::path path, PendingFile file) : path_(std::move(path)), file_(std::move(file)) {}
   Status MakeGroups(const std::string& path);
   Expected<Hdf5Id> MakeDataset(const std::string& path, hid_t type, const std::vector<std::uint64_t>& shape);
   Status PutAttribute(hid_t object, const std::string& name, const std::string& text, const std::string& path);
-  /// What failed in the file that is open.
+  /// What failed in the file.
   Status Written() const;
 
   std::filesystem::path path_;
-  std::unique_ptr<DescriptorFile> file_;  ///< null: in memory. Outlives id_
-  Hdf5Id access_;
+  PendingFile file_;                                                                ///< outlives id_, as its driver's
+  std::unique_ptr<DescriptorFile> driver_file_ = std::make_unique<DescriptorFile>();
   Hdf5Id id_;
   std::map<std::string, Hdf5Id> made_;  ///< datasets of Make
 };

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <utility>
 
 #include "core/base/file.h"
@@ -9,10 +8,8 @@
 namespace mocurate::store {
 namespace {
 
-constexpr std::size_t kGrowth = 4u << 20;
-
 tl::unexpected<Error> Broken(const std::string& path, const std::string& what) {
-  return Fail(ErrorCode::kCannotWrite, what + " in the HDF5 image in memory", path, "memory may be exhausted");
+  return Fail(ErrorCode::kCannotWrite, what + " in the HDF5 file", path, "memory may be exhausted");
 }
 
 /// Properties of an object: no times, links and attributes in the object's own header.
@@ -31,19 +28,10 @@ Hdf5Id TextType(std::size_t length) {
   return type;
 }
 
+/// Of numbers.
 hid_t FileType(FieldType type) {
-  switch (type) {
-    case FieldType::kFloat32:
-      return H5T_IEEE_F32LE;
-    case FieldType::kFloat64:
-      return H5T_IEEE_F64LE;
-    case FieldType::kInt32:
-      return H5T_STD_I32LE;
-    case FieldType::kInt64:
-      return H5T_STD_I64LE;
-    default:
-      return H5T_STD_U8LE;
-  }
+  const hid_t types[] = {H5T_IEEE_F32LE, H5T_IEEE_F64LE, H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_U8LE};
+  return types[static_cast<std::size_t>(type)];
 }
 
 struct Block {
@@ -66,31 +54,18 @@ Block Pad(const std::vector<std::string>& texts) {
 
 }  // namespace
 
-Expected<Hdf5Writer> Hdf5Writer::Create() {
+Expected<Hdf5Writer> Hdf5Writer::Create(const std::filesystem::path& path) {
   SilenceHdf5();
-  static std::atomic<std::uint64_t> images{0};  // two images at a time must not share a name
-  Hdf5Writer writer;
-  writer.access_ = Hdf5Id(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_core(writer.access_.get(), kGrowth, false);
-  return Made(std::move(writer), "mocurate-image-" + std::to_string(images.fetch_add(1)));
-}
-
-Expected<Hdf5Writer> Hdf5Writer::Create(int descriptor, const std::filesystem::path& file) {
-  SilenceHdf5();
-  Hdf5Writer writer;
-  writer.path_ = file;
-  writer.file_ = std::make_unique<DescriptorFile>();
-  writer.file_->descriptor = descriptor;
-  writer.access_ = Hdf5Id(DescriptorAccess(*writer.file_), H5Pclose);
-  return Made(std::move(writer), file.string());
-}
-
-Expected<Hdf5Writer> Hdf5Writer::Made(Hdf5Writer writer, const std::string& name) {
-  H5Pset_libver_bounds(writer.access_.get(), H5F_LIBVER_V18, H5F_LIBVER_V110);
-  H5Pset_fclose_degree(writer.access_.get(), H5F_CLOSE_STRONG);
+  auto file = PendingFile::CreateOutput(path);
+  if (!file) return Forward(file);
+  Hdf5Writer writer(path, std::move(*file));
+  writer.driver_file_->descriptor = writer.file_.descriptor();
+  const Hdf5Id access(DescriptorAccess(*writer.driver_file_), H5Pclose);
+  H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V110);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   const Hdf5Id creation = Untimed(H5P_FILE_CREATE);
   H5Pset_link_phase_change(creation.get(), 64, 48);
-  writer.id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), writer.access_.get()), H5Fclose);
+  writer.id_ = Hdf5Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
   if (!writer.id_.ok()) return Broken("/", "no file can be made");
   return writer;
 }
@@ -193,28 +168,16 @@ Status Hdf5Writer::AttributeOf(const std::string& path, const std::string& name,
 }
 
 Status Hdf5Writer::Written() const {
-  if (file_ == nullptr || file_->error == 0) return {};
-  return CannotWriteFile(path_, file_->error);
-}
-
-Status Hdf5Writer::Finish(const std::function<Status(std::string_view)>& sink) {
-  SilenceHdf5();
-  made_.clear();
-  if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0) return Broken("/", "the file cannot be finished");
-  const ssize_t size = H5Fget_file_image(id_.get(), nullptr, 0);
-  void* memory = nullptr;  // the driver hands out the address of its pointer
-  if (size <= 0 || H5Fget_vfd_handle(id_.get(), access_.get(), &memory) < 0 || memory == nullptr) {
-    return Broken("/", "the file cannot be finished");
-  }
-  return sink(std::string_view(*static_cast<const char**>(memory), static_cast<std::size_t>(size)));
+  return driver_file_->error == 0 ? Status() : CannotWriteFile(path_, driver_file_->error);
 }
 
 Status Hdf5Writer::Finish() {
   SilenceHdf5();
   made_.clear();
   if (H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) < 0) return Broken("/", "the file cannot be finished");
-  file_->finished = true;  // what HDF5 writes when it closes is not part of a file in memory either
-  return Written();
+  driver_file_->finished = true;  // what HDF5 writes when it closes is not part of the file
+  if (Status written = Written(); !written) return written;
+  return file_.Publish();
 }
 
 }  // namespace mocurate::store

@@ -44,10 +44,10 @@ Fields SmallBody() {
 Expected<BodyTemplate> WrittenAndRead(const Fields& fields) {
   const ScratchFolder folder;
   const auto file = folder / "body.h5";
-  auto writer = store::Hdf5Writer::Create();
+  auto writer = store::Hdf5Writer::Create(file);
   EXPECT_TRUE(writer);
   for (const auto& [path, array] : fields) EXPECT_TRUE(writer->Write(path, array)) << path;
-  EXPECT_TRUE(writer->Finish([&](std::string_view bytes) { return WriteFile(file, bytes); }));
+  EXPECT_TRUE(writer->Finish());
   return ReadBodyTemplate(file);
 }
 

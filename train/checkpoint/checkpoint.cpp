@@ -317,12 +317,12 @@ Status WriteCheckpoint(const Checkpoint& checkpoint, const std::filesystem::path
     lines[field] = store::FieldLine(array, array.Sha256());
   }
   text("/@content_sha256", store::ContentSha256(lines));
-  Expected<store::Hdf5Writer> writer = store::Hdf5Writer::Create();
+  Expected<store::Hdf5Writer> writer = store::Hdf5Writer::Create(path);
   if (!writer) return Forward(writer);
   for (const auto& [field, source] : sources) {
     if (Status written = writer->Write(field, source()); !written) return written;
   }
-  return writer->Finish([&](std::string_view bytes) { return WriteFile(path, bytes); });
+  return writer->Finish();
 }
 
 Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::path& path) {
