@@ -53,21 +53,10 @@ bool operator==(const Array& a, const Array& b) { return a.shape == b.shape && a
 Array MakeText(std::string text) { return Array{{}, std::vector<std::string>{std::move(text)}}; }
 
 Array EmptyArray(FieldType type, std::vector<std::uint64_t> shape) {
-  switch (type) {
-    case FieldType::kFloat32:
-      return Array{std::move(shape), std::vector<float>()};
-    case FieldType::kFloat64:
-      return Array{std::move(shape), std::vector<double>()};
-    case FieldType::kInt32:
-      return Array{std::move(shape), std::vector<std::int32_t>()};
-    case FieldType::kInt64:
-      return Array{std::move(shape), std::vector<std::int64_t>()};
-    case FieldType::kUint8:
-      return Array{std::move(shape), std::vector<std::uint8_t>()};
-    case FieldType::kText:
-      break;
-  }
-  return Array{std::move(shape), std::vector<std::string>()};
+  const decltype(Array::values) kinds[] = {std::vector<float>(),        std::vector<double>(),
+                                           std::vector<std::int32_t>(), std::vector<std::int64_t>(),
+                                           std::vector<std::uint8_t>(), std::vector<std::string>()};
+  return Array{std::move(shape), kinds[static_cast<std::size_t>(type)]};
 }
 
 const Array* Content::Find(const std::string& path) const {

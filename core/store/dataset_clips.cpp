@@ -161,11 +161,8 @@ const std::vector<std::string>& DatasetClips::labels() const {
   return file_->content.Has("/labels/name") ? file_->content.Values<std::string>("/labels/name") : kNone;
 }
 
-std::string DatasetClips::recipe() const { return file_->content.Has("/recipe") ? file_->content.Text("/recipe") : ""; }
-
-std::string DatasetClips::created_by() const {
-  return file_->content.Has("/@created_by") ? file_->content.Text("/@created_by") : "";
-}
+std::string DatasetClips::recipe() const { return file_->content.Text("/recipe"); }
+std::string DatasetClips::created_by() const { return file_->content.Text("/@created_by"); }
 
 std::vector<std::string> DatasetClips::finding_codes() const {
   if (!file_->content.Has("/findings/code")) return {};

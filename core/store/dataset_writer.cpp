@@ -38,10 +38,7 @@ Expected<store::Content> PackOutline(const Dataset& dataset, const std::vector<c
   if (std::string about = store::AboutText(clips); !about.empty()) content.PutText("/about", std::move(about));
   store::PackLabels(dataset, content);
   store::PackFindings(dataset.findings, content);
-  if (Status packed = store::PackSplits(dataset.splits, content); !packed) {
-    packed.error().where = store::Where(path, packed.error().where);
-    return Forward(packed);
-  }
+  if (Status packed = store::InFile(store::PackSplits(dataset.splits, content), path); !packed) return Forward(packed);
   return content;
 }
 

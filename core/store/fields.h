@@ -53,6 +53,8 @@ void PackFindings(const std::vector<Finding>& findings, Content& content);
 std::vector<Finding> UnpackFindings(const Content& content);
 /// Fields of a dataset other than skeleton and clips.
 void UnpackDatasetParts(const Content& content, Dataset& dataset);
+/// Errors of packing get the file's name before the clip's.
+Status InFile(Status status, const std::filesystem::path& path);
 /// Whether clip and motion agree on the rate. Error kInconsistent naming the clip.
 Status CheckRates(const Clip& clip, const std::filesystem::path& path);
 

@@ -96,16 +96,6 @@ std::string TypeText(hid_t type) {
   return std::string(kind) + " of " + std::to_string(H5Tget_size(type)) + " bytes";
 }
 
-template <class T>
-Expected<Array> ReadNumbers(hid_t dataset, hid_t memory_type, std::uint64_t count, std::vector<std::uint64_t> shape,
-                            const std::string& where) {
-  std::vector<T> values(count);
-  if (count > 0 && H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-    return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), where);
-  }
-  return MakeArray(std::move(shape), std::move(values));
-}
-
 herr_t FreeVariable(hid_t type, hid_t space, char** text) { return H5Dvlen_reclaim(type, space, H5P_DEFAULT, text); }
 
 /// Memory for texts of variable length, of which HDF5 reads no more than fit: a hostile file may point many elements at
@@ -245,19 +235,14 @@ Expected<Array> Hdf5Reader::ReadDataset(const std::string& path, FieldType type)
   if (Status fits = CheckStorage(dataset.get(), *count, element_size, path); !fits) return Forward(fits);
 
   std::vector<std::uint64_t> shape(extents->begin(), extents->end());
-  switch (type) {
-    case FieldType::kFloat32:
-      return ReadNumbers<float>(dataset.get(), H5T_NATIVE_FLOAT, *count, std::move(shape), where);
-    case FieldType::kFloat64:
-      return ReadNumbers<double>(dataset.get(), H5T_NATIVE_DOUBLE, *count, std::move(shape), where);
-    case FieldType::kInt32:
-      return ReadNumbers<std::int32_t>(dataset.get(), H5T_NATIVE_INT32, *count, std::move(shape), where);
-    case FieldType::kInt64:
-      return ReadNumbers<std::int64_t>(dataset.get(), H5T_NATIVE_INT64, *count, std::move(shape), where);
-    case FieldType::kUint8:
-      return ReadNumbers<std::uint8_t>(dataset.get(), H5T_NATIVE_UINT8, *count, std::move(shape), where);
-    case FieldType::kText:
-      break;
+  if (type != FieldType::kText) {
+    return WithNumber(type, [&](auto number, hid_t native) -> Expected<Array> {
+      std::vector<decltype(number)> values(*count);
+      if (*count > 0 && H5Dread(dataset.get(), native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+        return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), where);
+      }
+      return MakeArray(std::move(shape), std::move(values));
+    });
   }
   auto texts = variable ? ReadVariableTexts(dataset.get(), H5S_ALL, *count, path)
                         : ReadTexts(dataset.get(), stored_type.get(), *count, path);

@@ -5,26 +5,6 @@
 #include "core/store/hdf5_values.h"
 
 namespace mocurate::store {
-namespace {
-
-/// Calls `work` with a value of the type; no texts.
-template <class Work>
-auto WithNumber(FieldType type, const Work& work) {
-  switch (type) {
-    case FieldType::kFloat32:
-      return work(float(), H5T_NATIVE_FLOAT);
-    case FieldType::kFloat64:
-      return work(double(), H5T_NATIVE_DOUBLE);
-    case FieldType::kInt32:
-      return work(std::int32_t(), H5T_NATIVE_INT32);
-    case FieldType::kInt64:
-      return work(std::int64_t(), H5T_NATIVE_INT64);
-    default:
-      return work(std::uint8_t(), H5T_NATIVE_UINT8);
-  }
-}
-
-}  // namespace
 
 Expected<const Hdf5Reader::Rows*> Hdf5Reader::OpenRows(const std::string& path, FieldType type) const {
   SilenceHdf5();
@@ -112,12 +92,7 @@ Expected<std::string> Hdf5Reader::HashOfRows(const std::string& path, FieldType 
   for (std::uint64_t first = 0; first < shape->front(); first += rows) {
     const auto array = ReadRows(path, type, first, std::min(rows, shape->front() - first));
     if (!array) return Forward(array);
-    std::visit(
-        [&hasher](const auto& held) {
-          using Value = typename std::decay_t<decltype(held)>::value_type;
-          if constexpr (!std::is_same_v<Value, std::string>) hasher.Add(held.data(), held.size() * sizeof(Value));
-        },
-        array->values);
+    array->AddTo(hasher);
   }
   return hasher.Hex();
 }

@@ -7,8 +7,27 @@
 #include <string>
 #include <vector>
 
+#include "core/store/array.h"
+
 /// What the readers of values share; defined in hdf5_reader.cpp and hdf5_listing.cpp.
 namespace mocurate::store {
+
+/// Calls `work` with a value of the type; no texts.
+template <class Work>
+auto WithNumber(FieldType type, const Work& work) {
+  switch (type) {
+    case FieldType::kFloat32:
+      return work(float(), H5T_NATIVE_FLOAT);
+    case FieldType::kFloat64:
+      return work(double(), H5T_NATIVE_DOUBLE);
+    case FieldType::kInt32:
+      return work(std::int32_t(), H5T_NATIVE_INT32);
+    case FieldType::kInt64:
+      return work(std::int64_t(), H5T_NATIVE_INT64);
+    default:
+      return work(std::uint8_t(), H5T_NATIVE_UINT8);
+  }
+}
 
 /// An attribute must fit an object header of 64 kB.
 inline constexpr std::size_t kLongestAttribute = 60000;

@@ -100,15 +100,6 @@ void PackTree(const Motion& motion, const std::string& prefix, Content& content)
   content.Put(prefix + "/frames/rotation", {F, J, 4}, std::move(rotation));
 }
 
-template <class Stored, class Held>
-void UnpackOptional(const Content& content, const std::string& prefix, unsigned bit, std::size_t per_frame,
-                    std::size_t offset, std::vector<Held>& held, const Motion& motion) {
-  const auto& values = content.Values<Stored>(prefix + "/frames/" + kOptionalFrameFields[bit]);
-  const std::size_t count = per_frame * static_cast<std::size_t>(motion.frame_count());
-  held.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) held.push_back(static_cast<Held>(values[per_frame * offset + i]));
-}
-
 void UnpackTree(const Content& content, const std::string& prefix, std::size_t offset, Motion& motion) {
   const auto F = static_cast<std::size_t>(motion.frame_count());
   const auto J = static_cast<std::size_t>(motion.joint_count());
@@ -147,11 +138,16 @@ Motion UnpackMotion(const Content& content, const std::string& prefix, const Ske
   motion.joints.xyz.assign(joints, joints + 3 * count * J);
   if (content.Text("/@kinematics") == "tree") UnpackTree(content, prefix, offset, motion);
   const unsigned mask = content.Values<std::uint8_t>(prefix + "/clips/field_mask")[row];
-  if ((mask & 1u) != 0) UnpackOptional<std::uint8_t>(content, prefix, 0, J, offset, motion.state, motion);
-  if ((mask & 2u) != 0) UnpackOptional<float>(content, prefix, 1, J * 6, offset, motion.position_cov, motion);
-  if ((mask & 4u) != 0) UnpackOptional<float>(content, prefix, 2, J * 3, offset, motion.rotation_sigma, motion);
-  if ((mask & 8u) != 0) UnpackOptional<float>(content, prefix, 3, J * 3, offset, motion.rotation_observed, motion);
-  if ((mask & 16u) != 0) UnpackOptional<std::uint8_t>(content, prefix, 4, 2, offset, motion.contact, motion);
+  ForEachOptional([&](unsigned bit, auto member, auto stored, auto per_frame) {
+    if ((mask & (1u << bit)) == 0) return;
+    std::size_t width = 1;
+    for (const std::uint64_t extent : per_frame(J)) width *= extent;
+    const auto* values = content.Values<decltype(stored)>(FramesPath(prefix, bit)).data() + width * offset;
+    auto& held = motion.*member;
+    held.reserve(width * count);
+    using Held = typename std::decay_t<decltype(held)>::value_type;
+    for (std::size_t i = 0; i < width * count; ++i) held.push_back(static_cast<Held>(values[i]));
+  });
   return motion;
 }
 
@@ -190,6 +186,11 @@ std::array<float, 4> StoredQuaternion(const Quaterniond& rotation) {
     seen[n] = next;
   }
   return seen[kSteps - 1];
+}
+
+Status InFile(Status status, const std::filesystem::path& path) {
+  if (!status) status.error().where = Where(path, status.error().where);
+  return status;
 }
 
 Status CheckRates(const Clip& clip, const std::filesystem::path& path) {

@@ -18,10 +18,8 @@ std::vector<T> RowOfValues(const std::vector<T>& values, std::size_t row, std::s
 Expected<MotionWriter> MotionWriter::Create(const Schema& schema, Content content, const std::vector<MotionRow>& rows,
                                             const Skeleton& skeleton, bool joints_only,
                                             const std::filesystem::path& path) {
-  if (Status packed = PackOutlines(rows, skeleton, joints_only, schema.prefix, content); !packed) {
-    packed.error().where = Where(path, packed.error().where);
-    return Forward(packed);
-  }
+  const Status packed = InFile(PackOutlines(rows, skeleton, joints_only, schema.prefix, content), path);
+  if (!packed) return Forward(packed);
   Content rules;
   PackSkeleton(skeleton, schema.prefix, rules);
   rules.PutText("/@kinematics", joints_only ? "joints" : "tree");

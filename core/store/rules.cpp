@@ -215,11 +215,11 @@ Rule NotBelow(const std::string& sibling) {
           }};
 }
 
-Rule Rising(bool strictly) {
-  return {strictly ? "finite, strictly rising" : "finite, not falling", [strictly](const RuleContext& c) -> Problem {
+Rule Rising() {
+  return {"finite, strictly rising", [](const RuleContext& c) -> Problem {
             const auto& values = c.array.as<double>();
             for (std::size_t i = 0; i < values.size(); ++i) {
-              const bool falls = i > 0 && !(strictly ? values[i] > values[i - 1] : values[i] >= values[i - 1]);
+              const bool falls = i > 0 && !(values[i] > values[i - 1]);
               if (!std::isfinite(values[i]) || falls) {
                 return Place(c.array, i) + "is " + FormatDouble(values[i]) +
                        (i > 0 ? " after " + FormatDouble(values[i - 1]) : "");

@@ -30,7 +30,7 @@ Rule JsonTexts();
 Rule RowOf(const std::string& field, bool or_none = false);
 Rule UniqueNames();
 Rule NotBelow(const std::string& sibling);
-Rule Rising(bool strictly);
+Rule Rising();
 
 Rule Parents();
 Rule MirrorPartners();

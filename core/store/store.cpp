@@ -17,12 +17,6 @@ using store::MotionRow;
 
 std::string Kinematics(bool joints_only) { return joints_only ? "joints" : "tree"; }
 
-/// Errors of packing get the file's name before the clip's.
-Status InFile(Status status, const std::filesystem::path& path) {
-  if (!status) status.error().where = store::Where(path, status.error().where);
-  return status;
-}
-
 Expected<SkeletonPtr> CheckedSkeleton(const Content& content, const std::string& prefix,
                                       const std::filesystem::path& path) {
   auto skeleton = std::make_shared<Skeleton>(store::UnpackSkeleton(content, prefix));
@@ -73,7 +67,7 @@ Status WriteEvidence(const Clip& clip, const std::filesystem::path& path, const 
   Content content;
   if (!findings.empty()) store::PackFindings(findings, content);
   store::PackClips({&clip}, content);
-  if (Status packed = InFile(store::PackEvidence(clip.evidence, content), path); !packed) return packed;
+  if (Status packed = store::InFile(store::PackEvidence(clip.evidence, content), path); !packed) return packed;
   if (!clip.motion) {
     content.PutText("/@kinematics", "none");
     return store::WriteContent(store::EvidenceSchema(), std::move(content), path);

@@ -24,11 +24,8 @@ class Group {
       : fields_(fields), path_(std::move(path)), presence_(presence) {}
 
   Group& Add(const std::string& name, FieldType type, Shape shape, const std::string& unit, Rule rule,
-             const std::string& meaning) {
-    return Add(name, type, std::move(shape), unit, std::move(rule), meaning, presence_);
-  }
-  Group& Add(const std::string& name, FieldType type, Shape shape, const std::string& unit, Rule rule,
-             const std::string& meaning, Presence presence) {
+             const std::string& meaning, std::optional<Presence> own = {}) {
+    const Presence presence = own.value_or(presence_);
     fields_.push_back(Field{path_ + "/" + name, type, std::move(shape), unit, presence, std::move(rule), meaning,
                             presence == Presence::kGroup ? path_ : ""});
     return *this;
@@ -188,7 +185,7 @@ void AddFindings(std::vector<Field>& fields) {
 void AddEvidence(std::vector<Field>& fields) {
   Group(fields, "/tracks", Presence::kGroup)
       .Add("names", kText, {"K"}, "", Anything(), "tracked points, names of the source")
-      .Add("time_s", kF8, {"T"}, "s", Rising(true), "time of each frame")
+      .Add("time_s", kF8, {"T"}, "s", Rising(), "time of each frame")
       .Add("positions", kF8, {"T", "K", "3"}, "m", Finite(), "in the world; meaningless where confidence is 0")
       .Add("confidence", kF8, {"T", "K"}, "", InRange(0, 1), "0: not observed");
   Group(fields, "/track_rotations", Presence::kGroup)
@@ -217,7 +214,7 @@ void AddEvidence(std::vector<Field>& fields) {
       .Add("path", kText, {"G"}, "", Anything(),
            "PLY or PCD file of each frame; paths as raw bytes of the system; empty: no cloud at that frame")
       .Add("sha256", kText, {"G"}, "", Sha256Digits(true), "of the file, or empty")
-      .Add("time_s", kF8, {"G"}, "s", Rising(true), "time of each frame")
+      .Add("time_s", kF8, {"G"}, "s", Rising(), "time of each frame")
       .Add("metres_per_unit", kF8, {"1"}, "m", NotZero(),
            "of the files' coordinates; negative: their axes are left-handed")
       .Add("world_from_file", kF8, {"1", "7"}, "m", UnitQuaternion(1e-6),
@@ -339,35 +336,6 @@ const Schema& TruthSchema() {
 
 std::vector<const Schema*> AllSchemas() {
   return {&DatasetSchema(), &EvidenceSchema(), &TruthSchema(), &FeatureSchema()};
-}
-
-std::vector<std::pair<std::string, std::string>> Symbols() {
-  return {{"C", "clips"},
-          {"F", "frames of all clips"},
-          {"J", "joints"},
-          {"S", "segments"},
-          {"L", "labels"},
-          {"P", "fine labels"},
-          {"N", "findings"},
-          {"M", "landmarks"},
-          {"R", "given reflections"},
-          {"Y", "synonyms"},
-          {"H", "Lie chains"},
-          {"Q", "joints of the Lie chains"},
-          {"K", "tracked points"},
-          {"T", "frames of the tracks"},
-          {"V", "views"},
-          {"D", "depth images of all views"},
-          {"G", "cloud files"},
-          {"E", "keypoints of a person"},
-          {"W", "views with keypoints"},
-          {"I", "images of all views with keypoints"},
-          {"U", "people of all these images"},
-          {"X", "scored motions"},
-          {"Z", "features of a motion"},
-          {"B", "classes of the recogniser"},
-          {"O", "passes over the motions"},
-          {"*", "any number"}};
 }
 
 }  // namespace mocurate::store

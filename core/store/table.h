@@ -67,9 +67,6 @@ std::vector<const Schema*> AllSchemas();
 /// Whether two names are of one schema in two versions: "mocurate/1", "mocurate/2".
 bool AreVersions(const std::string& a, const std::string& b);
 
-/// What the symbols of the shapes mean, for the document.
-std::vector<std::pair<std::string, std::string>> Symbols();
-
 /// The table with * replaced by every split of `content`.
 std::vector<Field> ConcreteFields(const Schema& schema, const Content& content);
 

@@ -82,11 +82,38 @@ std::string RowOfField(const Field& field) {
          " |\n";
 }
 
+/// What the symbols of the shapes mean.
+std::vector<std::pair<std::string, std::string>> Symbols() {
+  return {{"C", "clips"},
+          {"F", "frames of all clips"},
+          {"J", "joints"},
+          {"S", "segments"},
+          {"L", "labels"},
+          {"P", "fine labels"},
+          {"N", "findings"},
+          {"M", "landmarks"},
+          {"R", "given reflections"},
+          {"Y", "synonyms"},
+          {"H", "Lie chains"},
+          {"Q", "joints of the Lie chains"},
+          {"K", "tracked points"},
+          {"T", "frames of the tracks"},
+          {"V", "views"},
+          {"D", "depth images of all views"},
+          {"G", "cloud files"},
+          {"E", "keypoints of a person"},
+          {"W", "views with keypoints"},
+          {"I", "images of all views with keypoints"},
+          {"U", "people of all these images"},
+          {"X", "scored motions"},
+          {"Z", "features of a motion"},
+          {"B", "classes of the recogniser"},
+          {"O", "passes over the motions"}};
+}
+
 std::string StoreFormatDocument() {
   std::string text = kIntroduction;
-  for (const auto& [symbol, meaning] : store::Symbols()) {
-    if (symbol != "*") text += "- `" + symbol + "`: " + meaning + "\n";
-  }
+  for (const auto& [symbol, meaning] : Symbols()) text += "- `" + symbol + "`: " + meaning + "\n";
   for (const Schema* schema : store::AllSchemas()) {
     text += "\n## " + schema->name + "\n\n" + schema->purpose + "\n\n";
     text += "| field | type | shape | unit | presence | meaning | rule |\n|---|---|---|---|---|---|---|\n";
