@@ -44,13 +44,7 @@ Expected<store::Content> PackOutline(const Dataset& dataset, const std::vector<c
 
 }  // namespace
 
-struct DatasetWriter::State {
-  store::MotionWriter writer;
-  std::vector<std::string> ids;
-  std::size_t next = 0;
-};
-
-DatasetWriter::DatasetWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+DatasetWriter::DatasetWriter(std::unique_ptr<store::MotionWriter> writer) : writer_(std::move(writer)) {}
 DatasetWriter::DatasetWriter(DatasetWriter&&) noexcept = default;
 DatasetWriter& DatasetWriter::operator=(DatasetWriter&&) noexcept = default;
 DatasetWriter::~DatasetWriter() = default;
@@ -61,11 +55,7 @@ Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std:
     return Fail(ErrorCode::kInconsistent, "the dataset has no skeleton", DisplayPath(path));
   }
   std::vector<const Clip*> clips;
-  std::vector<std::string> ids;
-  for (const Clip& clip : outline.clips) {
-    clips.push_back(&clip);
-    ids.push_back(clip.id());
-  }
+  for (const Clip& clip : outline.clips) clips.push_back(&clip);
   auto content = PackOutline(outline, clips, path);
   if (!content) return Forward(content);
   content->extra = std::move(extra);
@@ -78,24 +68,23 @@ Expected<DatasetWriter> DatasetWriter::Create(const Dataset& outline, const std:
   auto writer = store::MotionWriter::Create(store::DatasetSchema(), std::move(*content), *rows, skeleton,
                                             outline.joints_only, path);
   if (!writer) return Forward(writer);
-  return DatasetWriter(std::make_unique<State>(State{std::move(*writer), std::move(ids)}));
+  return DatasetWriter(std::make_unique<store::MotionWriter>(std::move(*writer)));
 }
 
 Status DatasetWriter::Append(const Clip& clip, const ExtraFields& frames) {
-  const std::string id = clip.id();
-  const std::string expected = state_->next < state_->ids.size() ? "'" + state_->ids[state_->next] + "'" : "none";
-  if (expected != "'" + id + "'" || !clip.motion) {
+  const std::string id = clip.id(), next = writer_->NextId();
+  if (id != next || !clip.motion) {
+    const std::string expected = next.empty() ? "none" : "'" + next + "'";
     return Fail(ErrorCode::kInconsistent, clip.motion ? "the next clip is " + expected : "the clip has no motion", id);
   }
-  ++state_->next;
-  if (Status written = state_->writer.Append(*clip.motion); !written) return written;
+  if (Status written = writer_->Append(*clip.motion); !written) return written;
   for (const auto& [field, rows] : frames) {
-    if (Status written = state_->writer.AppendExtra(field, rows); !written) return written;
+    if (Status written = writer_->AppendExtra(field, rows); !written) return written;
   }
   return {};
 }
 
-Status DatasetWriter::Finish() { return state_->writer.Finish(); }
+Status DatasetWriter::Finish() { return writer_->Finish(); }
 
 Status WriteDataset(const Dataset& dataset, const std::filesystem::path& path) {
   std::vector<std::uint8_t> optional_fields;

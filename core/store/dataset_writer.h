@@ -9,6 +9,9 @@
 #include "core/store/store.h"
 
 namespace mocurate {
+namespace store {
+class MotionWriter;
+}
 
 /// Writes a dataset clip by clip. In memory are all fields except /frames, and the frames of one clip. The file has the
 /// same bytes as with WriteDataset, and appears atomically.
@@ -37,9 +40,8 @@ class DatasetWriter {
   Status Finish();
 
  private:
-  struct State;
-  explicit DatasetWriter(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit DatasetWriter(std::unique_ptr<store::MotionWriter> writer);
+  std::unique_ptr<store::MotionWriter> writer_;
 };
 
 /// Which optional fields a motion has: bits of /clips/field_mask.

@@ -17,6 +17,8 @@ class MotionWriter {
   /// the clip.
   static Expected<MotionWriter> Create(const Schema& schema, Content content, const std::vector<MotionRow>& rows,
                                        const Skeleton& skeleton, bool joints_only, const std::filesystem::path& path);
+  /// Empty after the last row.
+  std::string NextId() const { return next_ < rows_.size() ? rows_[next_].id : ""; }
   /// The motion of the next row. Error kInconsistent naming the clip: it is not what the row announced, or breaks a
   /// rule of the table; kCannotWrite.
   Status Append(const Motion& motion);
