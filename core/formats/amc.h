@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,7 +24,6 @@ struct AmcBone {
 struct Amc {
   std::optional<bool> degrees;  ///< :DEGREES or :RADIANS; nothing: as the skeleton's
   std::optional<double> hz;     ///< :SAMPLES-PER-SECOND, which hardly any file has
-  bool fully_specified = false;
   std::vector<AmcBone> bones;  ///< root first where it has one
   int channel_count = 0;
   int frames = 0;
@@ -58,6 +58,20 @@ struct AmcOptions {
 /// listed in `damaged` and reported. A last frame that is cut off is dropped, with one finding. A bone that is missing
 /// in most frames is reported once.
 Expected<Amc> ParseAmc(std::string_view bytes, const AmcOptions& options, const std::string& name);
+
+// Steps of ParseAmc, in amc_missing.cpp.
+
+inline constexpr std::size_t kMostAmcFindings = 200;  ///< of one file
+
+/// Where a bone that most frames have is missing, the frame is added to `damaged`. A bone that is missing in most
+/// frames is not animated. Both are reported as "bone_missing". `frame_lines` (frames): where each begins. Error
+/// kMalformed "name:line" for the first damaged frame where damage is not to be reported.
+Status CheckMissingBones(const std::vector<int>& frame_lines, bool reports, const std::string& name, Amc& amc);
+
+/// Inserts a damaged frame for each number that is skipped, so that later frames keep their time: "time_gap" replaces
+/// "frame_number" there. Numbers that step by more than one throughout, or fall, are left as they are. Error
+/// kInconsistent at "name" where more than 10000 are skipped; that of `fits` for the count of frames with these.
+Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::size_t frames)>& fits, Amc& amc);
 
 /// parent_from_bone: C L C^-1, C the bone's axis, L its dof; a missing bone or dof has angle 0. `amc` must have been
 /// read with `asf`.

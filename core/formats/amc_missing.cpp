@@ -1,4 +1,4 @@
-#include "core/formats/amc_missing.h"
+#include "core/formats/amc.h"
 
 #include <algorithm>
 

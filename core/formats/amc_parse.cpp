@@ -6,7 +6,6 @@
 
 #include "core/base/text.h"
 #include "core/formats/amc.h"
-#include "core/formats/amc_missing.h"
 #include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"
@@ -118,9 +117,7 @@ class AmcParser {
       if (amc_.degrees && *amc_.degrees != degrees)
         return Bad("the file has both :DEGREES and :RADIANS", "remove the wrong one");
       amc_.degrees = degrees;
-    } else if (SameWord(key, "fully-specified")) {
-      amc_.fully_specified = true;
-    } else {
+    } else if (!SameWord(key, "fully-specified")) {
       const auto nearest = Nearest(key, {"FULLY-SPECIFIED", "DEGREES", "RADIANS", "SAMPLES-PER-SECOND"});
       return Bad("unknown keyword '" + Shown(word) + "'",
                  nearest ? "did you mean ':" + *nearest + "'?" : "remove the line");

@@ -41,17 +41,12 @@ struct AsfBone {
   AcclaimAxis axis;                       ///< world_from_bone at rest
   std::vector<AcclaimChannel> dof;        ///< in the order of the numbers in an AMC; empty: never in it
   std::vector<AsfLimit> limits;           ///< one per dof, or none
-  std::vector<std::string> other;         ///< lines of keys without effect on motion ("bodymass 2")
 };
 
 /// Acclaim skeleton file. Lengths and angles in the file's own units.
 struct Asf {
-  std::string version;
-  std::string name;
-  double mass_unit = 1.0;
   double length_unit = 1.0;  ///< length in the file / length_unit = inches, at Vicon and CMU
   bool degrees = true;       ///< `angle deg`; false: `angle rad`
-  std::vector<std::string> documentation;
   std::vector<AcclaimChannel> root_order;        ///< of the numbers of `root` in an AMC
   std::string root_axis = "XYZ";                 ///< order of root_orientation
   Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by the AMC's root

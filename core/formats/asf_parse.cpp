@@ -85,11 +85,10 @@ class AsfParser {
       return Bad("unknown section ':" + Shown(section) + "'", nearest ? "did you mean ':" + *nearest + "'?" : "");
     }
     if (!sections_.insert(section).second) return Bad("the section ':" + section + "' appears twice");
-    if (section == "version") return Text(asf_.version, rest, "version");
-    if (section == "name") return Text(asf_.name, rest, "name");
+    if (section == "version" || section == "name") return CheckText(rest, section);
     if (!rest.empty()) return Bad("'" + Shown(rest) + "' follows ':" + section + "'");
     if (section == "documentation") {
-      for (line = NextOfSection(); !line.empty(); line = NextOfSection()) asf_.documentation.emplace_back(line);
+      while (!NextOfSection().empty()) continue;
       return {};
     }
     if (section == "bonedata") return Bones();
@@ -102,13 +101,10 @@ class AsfParser {
     return {};
   }
 
-  Status Text(std::string& to, std::string_view text, const char* section) {
-    if (text.empty()) return Bad(std::string("':") + section + "' has no value");
-    if (section == std::string_view("version")) {
-      const std::optional<double> version = ParseDouble(text);
-      if (!version || !(*version > 0.0 && *version < 1000.0)) return Bad("'" + Shown(text) + "' is not a version");
-    }
-    to = std::string(text);
+  Status CheckText(std::string_view text, const std::string& section) const {
+    if (text.empty()) return Bad("':" + section + "' has no value");
+    const double version = section == "version" ? ParseDouble(text).value_or(0.0) : 1.0;
+    if (!(version > 0.0 && version < 1000.0)) return Bad("'" + Shown(text) + "' is not a version");
     return {};
   }
 
@@ -167,7 +163,8 @@ class AsfParser {
   }
 
   Status Units(const Words& words) {
-    if (SameWord(words[0], "mass")) return Scale(asf_.mass_unit, words, "mass of :units");
+    double mass = 1.0;  // not used
+    if (SameWord(words[0], "mass")) return Scale(mass, words, "mass of :units");
     if (SameWord(words[0], "length")) return Scale(asf_.length_unit, words, "length of :units");
     if (!SameWord(words[0], "angle")) return Bad("unknown unit '" + Shown(words[0]) + "'", "use mass, length or angle");
     const bool degrees = words.size() == 2 && (SameWord(words[1], "deg") || SameWord(words[1], "degrees"));
@@ -301,9 +298,8 @@ class AsfParser {
     if (key == "limits") return Limits(bone, line, field);
     if (key == "bodymass" || key == "cofmass") {
       if (words.size() != 2) return Bad(field + " needs one number");
-      if (const Expected<double> value = Number(words[1], field); !value) return Forward(value);
-      bone.other.push_back(key + " " + std::string(words[1]));
-      return {};
+      const Expected<double> value = Number(words[1], field);  // not used
+      return value ? Status() : Forward(value);
     }
     return Bad("unknown key '" + Shown(key) + "' of bone " + Called(bone),
                "use id, name, direction, length, axis, dof, limits, bodymass or cofmass");

@@ -1,4 +1,4 @@
-#include "core/formats/pcd.h"
+#include "core/formats/point_cloud.h"
 
 #include <algorithm>
 #include <cmath>

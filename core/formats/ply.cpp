@@ -1,4 +1,4 @@
-#include "core/formats/ply.h"
+#include "core/formats/point_cloud.h"
 
 #include <algorithm>
 #include <array>
@@ -91,16 +91,14 @@ class PlyParser {
       if (words.empty()) continue;
       if (words[0] == "end_header") return has_format ? Status() : BadLine("the header has no line 'format'");
       Status read;
-      if (words[0] == "comment") {
-        ply_.comments.emplace_back(line.size() > 8 ? line.substr(8) : std::string_view());
-      } else if (words[0] == "format") {
+      if (words[0] == "format") {
         read = Format(words);
         has_format = true;
       } else if (words[0] == "element") {
         read = Element(words);
       } else if (words[0] == "property") {
         read = Property(words);
-      } else if (words[0] != "obj_info") {
+      } else if (words[0] != "comment" && words[0] != "obj_info") {
         return BadLine("'" + Shown(words[0]) + "' is not a keyword of a PLY header");
       }
       if (!read) return read;

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "core/formats/pcd.h"
-#include "core/formats/ply.h"
 
 namespace mocurate {
 namespace {

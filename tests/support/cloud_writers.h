@@ -10,8 +10,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/array_elements.h"
-#include "core/formats/pcd.h"
-#include "core/formats/ply.h"
+#include "core/formats/point_cloud.h"
 
 namespace mocurate {
 
@@ -25,7 +24,7 @@ inline bool operator==(const PlyElement& a, const PlyElement& b) {
 }
 
 inline bool operator==(const Ply& a, const Ply& b) {
-  return a.encoding == b.encoding && a.comments == b.comments && a.elements == b.elements;
+  return a.encoding == b.encoding && a.elements == b.elements;
 }
 
 inline std::string_view TypeName(const ElementType& type) {
@@ -67,7 +66,6 @@ inline void AppendValue(std::string& bytes, double value, ElementType type, Ply:
 /// In the file's encoding; values must fit their types.
 inline std::string WritePly(const Ply& ply) {
   std::string bytes = "ply\nformat " + std::string(EncodingName(ply.encoding)) + " 1.0\n";
-  for (const std::string& comment : ply.comments) bytes += "comment " + comment + "\n";
   for (const PlyElement& element : ply.elements) {
     bytes += "element " + element.name + " " + std::to_string(element.count) + "\n";
     for (const PlyProperty& property : element.properties) {

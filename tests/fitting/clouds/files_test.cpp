@@ -7,7 +7,7 @@
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
-#include "core/formats/ply.h"
+#include "core/formats/point_cloud.h"
 #include "core/store/store.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_tracking.h"

@@ -10,7 +10,7 @@
 
 #include "core/body/skinned_body.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/pcd.h"
+#include "core/formats/point_cloud.h"
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
 #include "ingest/inspect/calibration_estimate.h"
