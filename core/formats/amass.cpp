@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -109,8 +108,8 @@ class AmassReader {
     if (Status s = Rate(); !s) return Forward(s);
     if (Status s = TakeText("gender", amass_.gender); !s) return Forward(s);
     if (Status s = TakeText("surface_model_type", amass_.surface_model); !s) return Forward(s);
-    if (Status s = Take("dmpls", {n, kAnyExtent}, false, amass_.dmpls); !s) return Forward(s);
-    if (const NpyArray* dmpls = npz_.Find("dmpls")) amass_.dmpl_columns = dmpls->shape[1];
+    std::vector<double> dmpls;  // not used
+    if (Status s = Take("dmpls", {n, kAnyExtent}, false, dmpls); !s) return Forward(s);
     if (Status s = Markers(); !s) return Forward(s);
     return std::move(amass_);
   }
@@ -375,28 +374,6 @@ Expected<std::string> EncodeAmass(const Amass& amass, const std::string& name) {
   add(split ? "mocap_frame_rate" : "mocap_framerate", MakeArray({}, {amass.rate_hz}));
   if (!amass.gender.empty()) add("gender", MakeTextArray(amass.gender));
   if (!amass.surface_model.empty()) add("surface_model_type", MakeTextArray(amass.surface_model));
-  if (amass.dmpl_columns > 0) add("dmpls", MakeArray({n, amass.dmpl_columns}, amass.dmpls));
-  if (amass.markers > 0) {
-    std::vector<double> data = amass.marker_data_m;
-    if (data.size() != n * amass.markers * 3 || amass.marker_observed.size() != n * amass.markers) {
-      return Fail(ErrorCode::kInconsistent, "the markers are not frames x markers x 3", name);
-    }
-    for (std::size_t i = 0; i < amass.marker_observed.size(); ++i) {
-      for (std::size_t k = 0; k < 3 && amass.marker_observed[i] == 0; ++k) {
-        data[3 * i + k] = std::numeric_limits<double>::quiet_NaN();
-      }
-    }
-    add("marker_data", MakeArray({n, amass.markers, 3}, std::move(data)));
-    if (!amass.marker_labels.empty()) {
-      NpyArray labels;
-      std::size_t longest = 1;
-      for (const std::string& label : amass.marker_labels) longest = std::max(longest, label.size());
-      labels.dtype = "|S" + std::to_string(longest);
-      labels.shape = {amass.marker_labels.size()};
-      labels.texts = amass.marker_labels;
-      add("marker_labels", std::move(labels));
-    }
-  }
   return EncodeNpz(npz, name);
 }
 

@@ -29,8 +29,6 @@ struct Amass {
   std::vector<double> poses;          ///< frames x pose_columns
   std::vector<double> translation_m;  ///< frames x 3
   std::vector<double> betas;
-  std::size_t dmpl_columns = 0;
-  std::vector<double> dmpls;  ///< frames x dmpl_columns; empty when absent
   std::size_t markers = 0;
   std::vector<std::string> marker_labels;
   std::vector<double> marker_data_m;          ///< frames x markers x 3, 0 where not observed; empty when absent
@@ -44,7 +42,7 @@ struct Amass {
 /// a number that is not finite or implausibly large is damaged; otherwise it is kMalformed.
 Expected<Amass> ParseAmass(std::string_view bytes, const std::string& name, DamagedRows damaged = DamagedRows::kRefuse);
 
-/// Errors kInconsistent: sizes that do not fit.
+/// Without markers. Error kInconsistent: sizes that do not fit.
 Expected<std::string> EncodeAmass(const Amass& amass, const std::string& name);
 
 }  // namespace mocurate

@@ -47,12 +47,7 @@ void AddArrays(FuzzSeeds& seeds) {
     amass.poses.assign(2 * amass.pose_columns, 0.25);
     amass.translation_m = {0, 0.1, 0.9, 0, 0.2, 0.95};
     amass.betas = {0.5, -1};
-    if (layout == Amass::Layout::kLegacy) {
-      amass.dmpl_columns = 8;
-      amass.dmpls.assign(16, 0.25);
-    } else {
-      amass.surface_model = "smplx";
-    }
+    if (layout == Amass::Layout::kSplit) amass.surface_model = "smplx";
     Add(seeds, "amass", EncodeAmass(amass, "seed"));
   }
 }

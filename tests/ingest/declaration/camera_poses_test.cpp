@@ -1,7 +1,7 @@
 // Cameras far from the rest of their rig, and implausible focal lengths.
 
-#include "core/formats/amass.h"
 #include "tests/ingest/changed_files.h"
+#include "tests/support/amass_writer.h"
 
 namespace mocurate {
 namespace {
@@ -80,7 +80,7 @@ TEST_F(CameraPlaces, ReportInvalidCamerasWithTheirPlace) {
 TEST_F(CameraPlaces, ReportAmassMarkersInMillimetresAndNotTheBody) {
   Amass amass = *ParseAmass(Recorded("amass_babel/amass_sample.npz"), "sample.npz");
   const auto findings = [&] {
-    return InspectPath(Written("motion.npz", *EncodeAmass(amass, "motion.npz")), std::nullopt);
+    return InspectPath(Written("motion.npz", *EncodeNpz(AmassWithMarkers(amass), "motion.npz")), std::nullopt);
   };
   EXPECT_THAT(Codes(findings(), "error"), IsEmpty());
   // The second factor multiplies the scaled markers.
