@@ -53,6 +53,14 @@ Expected<int> PickleMachine::Attribute(const PickleValue& dict, std::string_view
   return -1;
 }
 
+PickleValue PickleMachine::NewArray(PickleArray array) {
+  PickleValue value;
+  value.kind = PickleKind::kArray;
+  value.array = static_cast<int>(pickle_.arrays.size());
+  pickle_.arrays.push_back(std::move(array));
+  return value;
+}
+
 Status PickleMachine::Dtype(const std::vector<int>& arguments) {
   if (arguments.empty() || !IsBytes(At(arguments[0])) || At(arguments[0]).text.size() > 20) {
     return Bad("a numpy type has no name");
@@ -161,10 +169,7 @@ Status PickleMachine::FromBuffer(const std::vector<int>& arguments) {
       (At(arguments[3]).text != "C" && At(arguments[3]).text != "F")) {
     return Bad("an array from a buffer lacks bytes, type, shape or order");
   }
-  PickleValue array;
-  array.kind = PickleKind::kArray;
-  array.array = static_cast<int>(pickle_.arrays.size());
-  pickle_.arrays.emplace_back();
+  PickleValue array = NewArray();
   if (Status filled = FillArray(array, arguments[2], arguments[1], At(arguments[3]).text == "F", arguments[0]);
       !filled) {
     return filled;
@@ -190,11 +195,7 @@ Status PickleMachine::Tensor(const std::vector<int>& arguments) {
   array.shape = std::move(*shape);
   array.strides = std::move(*strides);
   array.offset = static_cast<std::size_t>(offset.integer);
-  PickleValue value;
-  value.kind = PickleKind::kArray;
-  value.array = static_cast<int>(pickle_.arrays.size());
-  pickle_.arrays.push_back(std::move(array));
-  return Push(std::move(value));
+  return Push(NewArray(std::move(array)));
 }
 
 Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const PickleValue& state) {
@@ -214,14 +215,12 @@ Status PickleMachine::BuildSparse(PickleValue& object, PickleClass type, const P
     }
     parts.push_back(*part);
   }
-  object = PickleValue();
+  PickleArray layout;
+  layout.shape = std::move(*extents);
+  object = NewArray(std::move(layout));
   object.kind = PickleKind::kSparse;
   object.text = type == PickleClass::kCsc ? "csc" : "csr";
   object.children = parts;
-  object.array = static_cast<int>(pickle_.arrays.size());
-  PickleArray layout;
-  layout.shape = std::move(*extents);
-  pickle_.arrays.push_back(std::move(layout));
   return {};
 }
 
@@ -266,10 +265,7 @@ Status PickleMachine::BuildSelect(PickleValue& object, const PickleValue& state)
   array.dtype = whole.dtype;
   array.shape = std::move(*shape);
   array.data = *owned;
-  object = PickleValue();
-  object.kind = PickleKind::kArray;
-  object.array = static_cast<int>(pickle_.arrays.size());
-  pickle_.arrays.push_back(std::move(array));
+  object = NewArray(std::move(array));
   return {};
 }
 
@@ -315,10 +311,7 @@ Status PickleMachine::ReadJoblibArray(PickleValue& object, const PickleValue& st
   array.dtype = std::string(At(parts[2]).text);
   array.shape = std::move(*shape);
   if (At(parts[1]).text == "F") array.strides = FortranStrides(array.shape);
-  object = PickleValue();
-  object.kind = PickleKind::kArray;
-  object.array = static_cast<int>(pickle_.arrays.size());
-  pickle_.arrays.push_back(std::move(array));
+  object = NewArray(std::move(array));
   return {};
 }
 

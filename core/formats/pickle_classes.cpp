@@ -133,11 +133,7 @@ Status PickleMachine::Reduce() {
           MeaningOf(At(items[0])) != PickleClass::kNdarray) {
         return Bad("an array that is not made of numpy.ndarray", ErrorCode::kUnsupported);
       }
-      PickleValue array;
-      array.kind = PickleKind::kArray;
-      array.array = static_cast<int>(pickle_.arrays.size());
-      pickle_.arrays.emplace_back();
-      return Push(std::move(array));
+      return Push(NewArray());
     }
     case PickleClass::kDtype:
       return Dtype(items);

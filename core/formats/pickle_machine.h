@@ -109,6 +109,7 @@ class PickleMachine {
   Status PersistentId();
 
   // pickle_arrays.cpp
+  PickleValue NewArray(PickleArray array = {});
   Status Dtype(const std::vector<int>& arguments);
   Status BuildDtype(PickleValue& dtype, const std::vector<int>& state);
   Status BuildArray(PickleValue& array, const std::vector<int>& state);
