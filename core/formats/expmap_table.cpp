@@ -32,7 +32,6 @@ Expected<ExpmapTable> ParseExpmapTable(std::string_view bytes, const std::string
                                        DamagedRows damaged_rows) {
   JointTableLayout layout;
   layout.columns = columns > 0 ? columns : ColumnsOfFirstRow(bytes, name);
-  layout.separator = JointTableLayout::Separator::kCommas;
   layout.damaged_rows = layout.columns > 0 ? damaged_rows : DamagedRows::kRefuse;
   const bool fits = layout.columns >= 6 && layout.columns % 3 == 0 && layout.columns <= kMostColumns;
   if (fits) layout.column_names = Names(layout.columns);

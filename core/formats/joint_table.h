@@ -13,7 +13,7 @@ namespace mocurate {
 
 /// Rows of numbers without a header: what Kinect data sets ship. A frame is `rows_per_frame` rows.
 struct JointTableLayout {
-  enum class Separator { kBlanks, kCommas, kAny };
+  enum class Separator { kBlanks, kAny };
   int rows_per_frame = 1;
   int columns = 0;  ///< numbers per row; 0: as many as the first row has
   Separator separator = Separator::kAny;

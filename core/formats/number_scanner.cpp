@@ -1,10 +1,13 @@
 #include "core/formats/number_scanner.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <system_error>
+
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -79,6 +82,25 @@ inline const char* ShortDecimal(const char* at, const char* end, double& value) 
   return at;
 }
 
+/// Whether a line holds several words, between blanks, tabs or semicolons, of digits with at most one comma among them.
+bool HasDecimalCommas(std::string_view line) {
+  std::string words(line);
+  std::replace(words.begin(), words.end(), ';', ' ');
+  if (words.find('.') != std::string::npos) return false;
+  int count = 0;
+  for (const std::string_view word : SplitBlanks(Trim(words))) {
+    const std::size_t comma = word.find(',');
+    std::string number(word);
+    if (comma != std::string_view::npos) {
+      if (comma == 0 || comma + 1 == word.size() || word[comma + 1] < '0' || word[comma + 1] > '9') return false;
+      number[comma] = '.';
+    }
+    if (!ParseDouble(number)) return false;
+    ++count;
+  }
+  return count > 1;
+}
+
 }  // namespace
 
 NumberScanner::NumberScanner(std::string_view bytes, bool comma_separates, int first_line)
@@ -145,6 +167,29 @@ NumberScanner::Token NumberScanner::Next() {
     return Token::kNotFinite;
   }
   return std::isfinite(value_) ? Token::kNumber : Token::kNotFinite;
+}
+
+Expected<std::optional<std::string>> WithDecimalPoints(std::string_view bytes, const std::string& name) {
+  for (std::size_t comma = bytes.find(','); comma != std::string_view::npos;) {
+    const std::size_t begin = bytes.rfind('\n', comma) + 1;  // npos + 1 is 0
+    const std::size_t end = std::min(bytes.find('\n', comma), bytes.size());
+    const std::string_view line = Trim(bytes.substr(begin, end - begin));
+    if (line.find_first_of("0123456789+-") != 0) {  // a header
+      comma = bytes.find(',', end);
+      continue;
+    }
+    if (!HasDecimalCommas(line)) break;
+    if (line.find_first_of(";\t") == std::string_view::npos) {
+      const auto number = std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(begin), '\n') + 1;
+      return Fail(ErrorCode::kMalformed, "commas are in the numbers or between them: blanks separate them too",
+                  name + ":" + std::to_string(number), "write the numbers with a decimal point (1.5, not 1,5)");
+    }
+    std::string points(bytes);
+    std::replace(points.begin(), points.end(), ',', '.');
+    std::replace(points.begin(), points.end(), ';', ' ');
+    return std::optional(std::move(points));
+  }
+  return std::optional<std::string>();
 }
 
 }  // namespace mocurate

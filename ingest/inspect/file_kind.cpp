@@ -9,7 +9,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/formats/decimal_comma.h"
+#include "core/formats/number_scanner.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/pickle.h"
 

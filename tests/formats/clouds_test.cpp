@@ -108,7 +108,7 @@ TEST(Ply, ReadsTheDoublePrecisionMeshOfTheHandheldScan) {
   EXPECT_EQ(PlyTriangles(*ply, "mesh.ply")->size(), 16672u);
   const auto points = PlyPoints(*ply, "mesh.ply");
   for (const Vector3d& point : *points) ASSERT_LT(point.norm(), 3.0);
-  EXPECT_EQ(WritePly(*ply), bytes);
+  EXPECT_EQ(WritePly(*ply), Replaced(bytes, "comment Created by Open3D\n", ""));
 }
 
 Pcd SmallPcd(Pcd::Encoding encoding) {

@@ -1,4 +1,4 @@
-#include "core/formats/decimal_comma.h"
+#include "core/formats/number_scanner.h"
 
 #include <gtest/gtest.h>
 
