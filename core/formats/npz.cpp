@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/base/unpacked_limit.h"
+#include "core/base/file.h"
 #include "core/formats/pickle.h"
 
 namespace mocurate {

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "core/base/unpacked_limit.h"
+#include "core/base/file.h"
 #include "core/formats/line_reader.h"
 
 namespace mocurate {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/base/file.h"
-#include "core/base/unpacked_limit.h"
 #include "core/formats/pickle_machine.h"
 #include "core/formats/zip_archive.h"
 

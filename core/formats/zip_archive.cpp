@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "core/base/file.h"
-#include "core/base/unpacked_limit.h"
 
 namespace mocurate {
 namespace {

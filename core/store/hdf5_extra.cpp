@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
 
@@ -107,13 +106,6 @@ Hdf5Id TypeIn(const ExtraField& field) {
   return field.type.empty() ? VariableText() : Hdf5Id(H5Tdecode(field.type.data()), H5Tclose);
 }
 
-Hdf5Id SpaceOf(const ExtraField& field) {
-  const std::vector<hsize_t> extents(field.shape.begin(), field.shape.end());
-  return Hdf5Id(extents.empty() ? H5Screate(H5S_SCALAR)
-                                : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
-                H5Sclose);
-}
-
 /// What HDF5 reads and writes: the bytes, or pointers to the texts.
 class RawValues {
  public:
@@ -155,13 +147,6 @@ struct Opened {
     variable = text && H5Tis_variable_str(type.get()) > 0;
   }
 };
-
-bool SelectRows(hid_t space, std::uint64_t first, const ExtraField& rows) {
-  const std::vector<hsize_t> extents(rows.shape.begin(), rows.shape.end());
-  std::vector<hsize_t> start(extents.size(), 0);
-  start[0] = first;
-  return H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extents.data(), nullptr) >= 0;
-}
 
 /// The field with its values: texts of fixed length become texts.
 Expected<ExtraField> WithValues(ExtraField field, std::string bytes, const Opened& opened, const std::string& where) {
@@ -281,15 +266,15 @@ Expected<ExtraField> Hdf5Reader::ReadExtraRows(const std::string& path, std::uin
   field->shape[0] = count;
   const Opened opened(id_.get(), path);
   if (opened.variable) {
-    SelectRows(opened.space.get(), first, *field);
+    SelectRows(opened.space.get(), first, field->shape);
     auto texts = ReadVariableTexts(opened.object.get(), opened.space.get(), field->count(), path);
     if (!texts) return Forward(texts);
     field->texts = std::move(*texts);
     return field;
   }
   std::string bytes(field->count() * H5Tget_size(opened.type.get()), '\0');
-  const Hdf5Id memory = SpaceOf(*field);
-  const bool read = bytes.empty() || (SelectRows(opened.space.get(), first, *field) &&
+  const Hdf5Id memory = SpaceOf(field->shape);
+  const bool read = bytes.empty() || (SelectRows(opened.space.get(), first, field->shape) &&
                                       H5Dread(opened.object.get(), opened.type.get(), memory.get(), opened.space.get(),
                                               H5P_DEFAULT, bytes.data()) >= 0);
   if (!read) return Fail(ErrorCode::kMalformed, "values cannot be read: " + Reason(), where);
@@ -308,9 +293,9 @@ Status Hdf5Writer::WriteExtraRows(const std::string& path, std::uint64_t first, 
   SilenceHdf5();
   if (rows.count() == 0) return {};
   const Hdf5Id& dataset = made_.at(path);
-  const Hdf5Id type = TypeIn(rows), memory = SpaceOf(rows), space(H5Dget_space(dataset.get()), H5Sclose);
+  const Hdf5Id type = TypeIn(rows), memory = SpaceOf(rows.shape), space(H5Dget_space(dataset.get()), H5Sclose);
   const RawValues values(rows);
-  if (!SelectRows(space.get(), first, rows) ||
+  if (!SelectRows(space.get(), first, rows.shape) ||
       H5Dwrite(dataset.get(), type.get(), memory.get(), space.get(), H5P_DEFAULT, values.data()) < 0) {
     return CannotBeWritten(path);
   }
@@ -324,7 +309,7 @@ Status Hdf5Writer::WriteExtra(const std::string& path, const ExtraField& field) 
   const auto of = DatasetOfAttribute(path);
   if (of) {
     const Hdf5Id object(H5Oopen(id_.get(), of->empty() ? "/" : of->c_str(), H5P_DEFAULT), H5Oclose);
-    const Hdf5Id space = SpaceOf(field);
+    const Hdf5Id space = SpaceOf(field.shape);
     const Hdf5Id attribute(
         H5Acreate2(object.get(), path.c_str() + of->size() + 2, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/base/file.h"
-#include "core/base/unpacked_limit.h"
 #include "core/store/hdf5_file.h"
 #include "core/store/hdf5_values.h"
 
@@ -38,6 +37,20 @@ std::uint64_t BytesOf(const std::vector<std::string>& texts) {
   std::uint64_t bytes = 0;
   for (const std::string& text : texts) bytes += text.size();
   return bytes;
+}
+
+Hdf5Id SpaceOf(const std::vector<std::uint64_t>& shape) {
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  return Hdf5Id(extents.empty() ? H5Screate(H5S_SCALAR)
+                                : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
+                H5Sclose);
+}
+
+bool SelectRows(hid_t space, std::uint64_t first, const std::vector<std::uint64_t>& shape) {
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  std::vector<hsize_t> start(extents.size(), 0);
+  start[0] = first;
+  return H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extents.data(), nullptr) >= 0;
 }
 
 std::optional<std::vector<hsize_t>> ShapeOf(hid_t space) {

@@ -65,20 +65,19 @@ Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, st
   }
   const hid_t dataset = (*rows)->dataset.get();
   const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
-  std::vector<hsize_t> start(shape.size(), 0), extent(shape.begin(), shape.end());
-  start[0] = first;
+  std::vector<std::uint64_t> extent = shape;
   extent[0] = count;
   std::uint64_t values = 1;
-  for (const hsize_t size : extent) values *= size;
-  const Hdf5Id memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+  for (const std::uint64_t size : extent) values *= size;
+  const Hdf5Id memory = SpaceOf(extent);
   return WithNumber(type, [&](auto number, hid_t native) -> Expected<Array> {
     std::vector<decltype(number)> held(values);
     const bool read =
         values == 0 ||
-        (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr) >= 0 &&
+        (SelectRows(space.get(), first, extent) &&
          H5Dread(dataset, native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
     if (!read) return Fail(ErrorCode::kMalformed, "values cannot be read", where);
-    return MakeArray(std::vector<std::uint64_t>(extent.begin(), extent.end()), std::move(held));
+    return MakeArray(std::move(extent), std::move(held));
   });
 }
 

@@ -1,13 +1,11 @@
 #pragma once
 
-#include <hdf5.h>
-
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/store/array.h"
+#include "core/store/hdf5_file.h"
 
 /// What the readers of values share; defined in hdf5_reader.cpp and hdf5_listing.cpp.
 namespace mocurate::store {
@@ -40,6 +38,9 @@ std::optional<std::uint64_t> Product(const std::vector<hsize_t>& extents, std::u
 std::vector<std::string> AttributesOf(hid_t object);
 /// Without their ends.
 std::uint64_t BytesOf(const std::vector<std::string>& texts);
+Hdf5Id SpaceOf(const std::vector<std::uint64_t>& shape);
+/// Rows [first, first + shape[0]) of a dataset's space.
+bool SelectRows(hid_t space, std::uint64_t first, const std::vector<std::uint64_t>& shape);
 /// Empty: no usable shape.
 std::optional<std::vector<hsize_t>> ShapeOf(hid_t space);
 /// Text up to the padding; empty when it contains a zero byte.

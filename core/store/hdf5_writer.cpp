@@ -106,10 +106,7 @@ Status Hdf5Writer::PutAttribute(hid_t object, const std::string& name, const std
 Expected<Hdf5Id> Hdf5Writer::MakeDataset(const std::string& path, hid_t type, const std::vector<std::uint64_t>& shape) {
   SilenceHdf5();
   if (Status made = MakeGroups(path); !made) return Forward(made);
-  const std::vector<hsize_t> extents(shape.begin(), shape.end());
-  const Hdf5Id space(extents.empty() ? H5Screate(H5S_SCALAR)
-                                     : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
-                     H5Sclose);
+  const Hdf5Id space = SpaceOf(shape);
   const Hdf5Id properties = Untimed(H5P_DATASET_CREATE);
   H5Pset_layout(properties.get(), H5D_CONTIGUOUS);
   H5Pset_alloc_time(properties.get(), H5D_ALLOC_TIME_EARLY);
@@ -148,13 +145,9 @@ Status Hdf5Writer::WriteRows(const std::string& path, std::uint64_t first, const
   SilenceHdf5();
   if (rows.size() == 0) return {};
   const Hdf5Id& dataset = made_.at(path);
-  const std::vector<hsize_t> extents(rows.shape.begin(), rows.shape.end());
-  std::vector<hsize_t> start(extents.size(), 0);
-  start[0] = first;
-  const Hdf5Id memory(H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr), H5Sclose);
-  const Hdf5Id space(H5Dget_space(dataset.get()), H5Sclose);
+  const Hdf5Id memory = SpaceOf(rows.shape), space(H5Dget_space(dataset.get()), H5Sclose);
   const void* data = std::visit([](const auto& held) { return static_cast<const void*>(held.data()); }, rows.values);
-  if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, extents.data(), nullptr) < 0 ||
+  if (!SelectRows(space.get(), first, rows.shape) ||
       H5Dwrite(dataset.get(), FileType(rows.type()), memory.get(), space.get(), H5P_DEFAULT, data) < 0) {
     return Broken(path, "the values cannot be written");
   }

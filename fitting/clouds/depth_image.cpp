@@ -9,7 +9,6 @@
 #include <string>
 
 #include "core/base/file.h"
-#include "core/base/unpacked_limit.h"
 #include "core/formats/png.h"
 
 namespace mocurate {
