@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <set>
 
-#include "core/base/characters.h"
 #include "core/base/text.h"
 #include "report/motion_rows.h"
 

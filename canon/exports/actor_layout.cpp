@@ -9,7 +9,6 @@
 #include "canon/exports/smpl_arrays.h"
 #include "canon/exports/written_set.h"
 #include "canon/splits/leaks.h"
-#include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/array_fields.h"

@@ -13,7 +13,6 @@
 #include "canon/exports/written_set.h"
 #include "canon/frames/level.h"
 #include "canon/splits/leaks.h"
-#include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
 #include "core/formats/amass.h"

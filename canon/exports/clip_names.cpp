@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "core/base/characters.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "canon/exports/clip_names.h"
-#include "core/base/characters.h"
+#include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
 

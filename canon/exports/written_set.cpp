@@ -7,7 +7,6 @@
 
 #include "canon/exports/clip_names.h"
 #include "canon/splits/leaks.h"
-#include "core/base/characters.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
 

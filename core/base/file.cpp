@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/characters.h"
+#include "core/base/text.h"
 #include "core/base/links.h"
 
 namespace mocurate {

@@ -1,6 +1,5 @@
 #include "core/base/table_text.h"
 
-#include "core/base/characters.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 

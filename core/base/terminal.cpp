@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "core/base/characters.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {

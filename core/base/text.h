@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,5 +44,28 @@ std::string JoinTexts(const std::vector<std::string>& texts, std::string_view se
 std::string DidYouMean(std::string_view word, const std::vector<std::string>& known, const std::string& otherwise);
 /// The same, followed by all that is known: "did you mean 'x'? the stages are: x, y".
 std::string NearestOfAll(std::string_view word, const std::vector<std::string>& known, const std::string& are);
+
+enum class CharacterKind {
+  kPlain,
+  kControl,    ///< C0, delete, C1: a terminal obeys them
+  kDirection,  ///< Unicode's Bidi_Control: reorders the characters around it
+  kNotUtf8,    ///< one byte that begins no character of UTF-8
+};
+
+struct Character {
+  std::size_t bytes = 1;
+  CharacterKind kind = CharacterKind::kPlain;
+};
+
+/// The first character of `text`, which is not empty.
+Character FirstCharacter(std::string_view text);
+
+/// "\xNN"
+std::string EscapedByte(char byte);
+/// Value of a hexadecimal digit; -1 for another character.
+int HexDigit(char digit);
+
+/// `text` with '_' for each control character and byte that is not UTF-8.
+std::string WithoutControls(std::string_view text);
 
 }  // namespace mocurate

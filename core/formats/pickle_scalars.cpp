@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include "core/base/characters.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/formats/pickle_machine.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "core/base/characters.h"
+#include "core/base/text.h"
 #include "core/base/terminal.h"
 
 namespace mocurate {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/base/characters.h"
+#include "core/base/text.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 

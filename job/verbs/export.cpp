@@ -4,7 +4,6 @@
 #include <set>
 
 #include "canon/exports/layout.h"
-#include "core/base/characters.h"
 #include "core/base/file.h"
 #include "core/base/links.h"
 #include "core/base/terminal.h"
