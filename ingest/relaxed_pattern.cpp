@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "core/base/text.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/source_declaration.h"

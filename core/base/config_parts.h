@@ -2,7 +2,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/config.h"
 #include "core/base/problem_list.h"

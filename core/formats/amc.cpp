@@ -1,7 +1,6 @@
 #include "core/formats/amc.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mocurate {
 namespace {

@@ -1,6 +1,5 @@
 #include "core/formats/depth_sequence.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/base/text.h"

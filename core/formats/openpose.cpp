@@ -1,7 +1,6 @@
 #include "core/formats/openpose.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/text.h"
 #include "core/formats/json_place.h"

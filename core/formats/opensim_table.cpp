@@ -1,6 +1,5 @@
 #include "core/formats/opensim_table.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
-#include <set>
 #include <system_error>
 #include <utility>
 

@@ -1,7 +1,5 @@
 #include "core/store/store.h"
 
-#include <algorithm>
-#include <set>
 
 #include "core/base/file.h"
 #include "core/store/content_file.h"

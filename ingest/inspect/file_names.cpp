@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "core/base/text.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {

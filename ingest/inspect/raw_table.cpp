@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "core/formats/joint_layout.h"
 #include "core/formats/joint_table.h"
 #include "core/formats/number_scanner.h"
 #include "ingest/inspect/read_raw.h"
