@@ -102,14 +102,7 @@ Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::siz
     return finding.code == "frame_number" && row > 0 && row < rows && at(row) > at(row - 1) + 1;
   };
   amc.findings.erase(std::remove_if(amc.findings.begin(), amc.findings.end(), is_gap), amc.findings.end());
-  const auto placed = [&](int row) {
-    return row < static_cast<int>(rows) ? places->place[static_cast<std::size_t>(row)] : places->frames();
-  };
-  for (Finding& finding : amc.findings) {
-    const bool any = finding.frame_end > finding.frame_begin;
-    finding.frame_begin = placed(finding.frame_begin);
-    finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
-  }
+  MoveFindings(*places, amc.findings);
   for (std::size_t row = 1; row < rows && amc.findings.size() < kMostAmcFindings; ++row) {
     const auto skipped = static_cast<long long>(at(row) - at(row - 1)) - 1;
     if (skipped == 0) continue;

@@ -185,20 +185,6 @@ void Spread(const std::vector<int>& places, int frames, std::vector<double>& val
   values = std::move(spread);
 }
 
-/// Brings findings from rows to frames. A row without a frame is where the one before it is.
-void MoveFindings(const RowPlaces& places, std::vector<Finding>& findings) {
-  std::vector<int> frame_of;
-  for (const int place : places.place) frame_of.push_back(place >= 0 ? place : frame_of.back());
-  const auto placed = [&](int row) {
-    return row < static_cast<int>(frame_of.size()) ? frame_of[static_cast<std::size_t>(row)] : places.frames();
-  };
-  for (Finding& finding : findings) {
-    const bool any = finding.frame_end > finding.frame_begin;
-    finding.frame_begin = placed(finding.frame_begin);
-    finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
-  }
-}
-
 /// Rows that stand at the time of the one before hold the same moment again.
 void ReportStillRows(const RowPlaces& places, const std::string& name, JointRows& rows) {
   const auto still = std::count(places.place.begin(), places.place.end(), -1);

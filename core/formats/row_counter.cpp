@@ -301,4 +301,17 @@ Expected<RowPlaces> PlacesByClock(std::vector<double> times, const std::string& 
   return places;
 }
 
+void MoveFindings(const RowPlaces& places, std::vector<Finding>& findings) {
+  std::vector<int> frame_of;
+  for (const int place : places.place) frame_of.push_back(place >= 0 ? place : frame_of.back());
+  const auto placed = [&](int row) {
+    return row < static_cast<int>(frame_of.size()) ? frame_of[static_cast<std::size_t>(row)] : places.frames();
+  };
+  for (Finding& finding : findings) {
+    const bool any = finding.frame_end > finding.frame_begin;
+    finding.frame_begin = placed(finding.frame_begin);
+    finding.frame_end = any ? placed(finding.frame_end - 1) + 1 : finding.frame_begin;
+  }
+}
+
 }  // namespace mocurate

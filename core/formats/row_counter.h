@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/finding.h"
 
 namespace mocurate {
 
@@ -65,5 +66,8 @@ Expected<RowPlaces> PlacesByNumber(const std::vector<double>& numbers, double st
 /// By times, NaN of a damaged row: on a grid of their usual step, so that a clock may vary by a good part of it and
 /// drift. Error kInconsistent at "name" where time runs backwards, or more than 10000 frames are skipped.
 Expected<RowPlaces> PlacesByClock(std::vector<double> times, const std::string& name);
+
+/// Brings findings from rows to frames. A row without a frame is where the one before it is.
+void MoveFindings(const RowPlaces& places, std::vector<Finding>& findings);
 
 }  // namespace mocurate
