@@ -13,8 +13,8 @@
 #include <system_error>
 #include <utility>
 
-#include "core/base/text.h"
 #include "core/base/links.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {

@@ -299,7 +299,8 @@ class OptionReader final : public OptionVisitor {
 
   void RefuseChoice(const ConfigNode& node, const std::string& name, const std::string& text,
                     const std::vector<std::string>& names) {
-    Refuse(node, name, Quoted(text) + " must be one of " + JoinTexts(names), [&] { return DidYouMean(text, names, ""); });
+    Refuse(node, name, Quoted(text) + " must be one of " + JoinTexts(names),
+           [&] { return DidYouMean(text, names, ""); });
   }
 
   bool ReadText(const ConfigNode& node, const std::string& name, std::string& text) {

@@ -24,7 +24,7 @@ struct AmcBone {
 struct Amc {
   std::optional<bool> degrees;  ///< :DEGREES or :RADIANS; nothing: as the skeleton's
   std::optional<double> hz;     ///< :SAMPLES-PER-SECOND, which hardly any file has
-  std::vector<AmcBone> bones;  ///< root first where it has one
+  std::vector<AmcBone> bones;   ///< root first where it has one
   int channel_count = 0;
   int frames = 0;
   std::vector<int> frame_numbers;     ///< (frames) as written: not always 1, 2, 3; of a frame that is skipped too

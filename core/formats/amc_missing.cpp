@@ -106,12 +106,11 @@ Status LeaveAmcGaps(const std::string& name, const std::function<Status(std::siz
   for (std::size_t row = 1; row < rows && amc.findings.size() < kMostAmcFindings; ++row) {
     const auto skipped = static_cast<long long>(at(row) - at(row - 1)) - 1;
     if (skipped == 0) continue;
-    amc.findings.push_back(FindingOfFrames("time_gap", places->place[row - 1] + 1, places->place[row],
-                                           static_cast<double>(skipped),
-                                           name + ": " + Counted(skipped, "frame") + " without a pose: number " +
-                                               std::to_string(numbers[row - 1]) + " is followed by " +
-                                               std::to_string(numbers[row]),
-                                           FindingAction::kDropped));
+    amc.findings.push_back(
+        FindingOfFrames("time_gap", places->place[row - 1] + 1, places->place[row], static_cast<double>(skipped),
+                        name + ": " + Counted(skipped, "frame") + " without a pose: number " +
+                            std::to_string(numbers[row - 1]) + " is followed by " + std::to_string(numbers[row]),
+                        FindingAction::kDropped));
   }
   amc.frames = static_cast<int>(frames);
   amc.values = std::move(values);

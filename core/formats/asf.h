@@ -45,8 +45,8 @@ struct AsfBone {
 
 /// Acclaim skeleton file. Lengths and angles in the file's own units.
 struct Asf {
-  double length_unit = 1.0;  ///< length in the file / length_unit = inches, at Vicon and CMU
-  bool degrees = true;       ///< `angle deg`; false: `angle rad`
+  double length_unit = 1.0;                      ///< length in the file / length_unit = inches, at Vicon and CMU
+  bool degrees = true;                           ///< `angle deg`; false: `angle rad`
   std::vector<AcclaimChannel> root_order;        ///< of the numbers of `root` in an AMC
   std::string root_axis = "XYZ";                 ///< order of root_orientation
   Vector3d root_position = Vector3d::Zero();     ///< file units; replaced by the AMC's root

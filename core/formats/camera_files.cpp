@@ -235,8 +235,7 @@ Status ReadPlainCameras(const JsonPlace& root, Calibration& calibration) {
   if (*units == "metre" || *units == "m") calibration.metres_per_unit = 1.0;
   if (*units == "centimetre" || *units == "cm") calibration.metres_per_unit = 0.01;
   if (*units == "millimetre" || *units == "mm") calibration.metres_per_unit = 0.001;
-  if (calibration.metres_per_unit == 0.0)
-    return root.Key("units")->Bad("metre, centimetre or millimetre is expected");
+  if (calibration.metres_per_unit == 0.0) return root.Key("units")->Bad("metre, centimetre or millimetre is expected");
   if (convention->rfind("x_cam = R X_world + t", 0) != 0) {
     return root.Key("convention")->Bad("'x_cam = R X_world + t' is expected");
   }

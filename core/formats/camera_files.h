@@ -58,15 +58,17 @@ Camera CameraOf(const CalibratedView& view, PoseConvention reading, double metre
 /// one.
 std::string SetIntrinsics(const std::vector<double>& matrix, CalibratedView& view);
 
-/// A calibration as JSON, TOML, XML or pickle, by the file's content. Where a file does not declare the meaning of R and t
-/// or its unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors kMalformed
-/// and kInconsistent with the path of the field ("calib.json:/cameras/3/K"); kUnsupported when no format matches.
+/// A calibration as JSON, TOML, XML or pickle, by the file's content. Where a file does not declare the meaning of R
+/// and t or its unit, the Calibration leaves it unknown (ingest/inspect/calibration_estimate.h estimates it). Errors
+/// kMalformed and kInconsistent with the path of the field ("calib.json:/cameras/3/K"); kUnsupported when no format
+/// matches.
 ///
 /// TOML is Pose2Sim's and Anipose's: [cam] name, size, matrix, distortions (4 or 5), rotation (rotation vector),
 /// translation. The format defines world-to-camera and metres; fisheye = true is kUnsupported.
 ///
 /// JSON is one of
-/// - plain: {"units": "metre", "convention": "x_cam = R X_world + t...", "cameras": [{name, size, K, dist_k1k2p1p2k3, R,
+/// - plain: {"units": "metre", "convention": "x_cam = R X_world + t...", "cameras": [{name, size, K, dist_k1k2p1p2k3,
+/// R,
 ///   t}]};
 /// - Human3.6M (karfly): "intrinsics" per camera, "extrinsics" per subject and camera, R and t; a view per subject and
 ///   camera, world = the subject; the image size is known by the camera's number;

@@ -1,7 +1,7 @@
 #include "core/formats/file_rules.h"
 
-#include "core/base/text.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 

@@ -209,11 +209,11 @@ void KeepGaps(const RowPlaces& places, const std::string& name, JointRows& rows)
     if (places.place[f] < 0) continue;
     const int skipped = places.place[f] - places.place[before] - 1;
     if (skipped > 0) {
-      rows.findings.push_back(FindingOfFrames(
-          "time_gap", places.place[before] + 1, places.place[f], skipped,
-          Counted(skipped, "frame") + " without a row: " + FormatDouble(rows.counter[before]) + " is followed by " +
-              FormatDouble(rows.counter[f]),
-          FindingAction::kDropped));
+      rows.findings.push_back(FindingOfFrames("time_gap", places.place[before] + 1, places.place[f], skipped,
+                                              Counted(skipped, "frame") +
+                                                  " without a row: " + FormatDouble(rows.counter[before]) +
+                                                  " is followed by " + FormatDouble(rows.counter[f]),
+                                              FindingAction::kDropped));
     }
     before = f;
   }

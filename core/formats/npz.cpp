@@ -4,8 +4,8 @@
 #include <set>
 #include <utility>
 
-#include "core/base/text.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/formats/pickle.h"
 
 namespace mocurate {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <set>
 
-#include "core/base/text.h"
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/formats/file_rules.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/number_scanner.h"

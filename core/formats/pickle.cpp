@@ -40,9 +40,10 @@ const char* Packing(std::string_view bytes) {
 }  // namespace
 
 const char* KindName(PickleKind kind) {
-  constexpr const char* kNames[] = {"None",     "a truth value", "an integer",      "a number", "a text",
-                                    "bytes",    "a list",        "a tuple",         "a dictionary", "an array",
-                                    "a sparse matrix", "a class", "a numpy type", "a storage", "an object"};
+  constexpr const char* kNames[] = {"None",         "a truth value", "an integer",      "a number",
+                                    "a text",       "bytes",         "a list",          "a tuple",
+                                    "a dictionary", "an array",      "a sparse matrix", "a class",
+                                    "a numpy type", "a storage",     "an object"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

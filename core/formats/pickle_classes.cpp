@@ -1,6 +1,5 @@
 // The class names that a pickle may hold, and what becomes of them. Nothing else is ever made, and nothing is called.
 
-
 #include "core/base/file.h"
 #include "core/formats/pickle_machine.h"
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "core/base/text.h"
 #include "core/base/terminal.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/base/text.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {

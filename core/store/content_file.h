@@ -31,8 +31,7 @@ class ContentWriter {
     std::uint64_t rows = 0;
     Sha256 hasher;
   };
-  ContentWriter(std::filesystem::path path, Hdf5Writer writer)
-      : path_(std::move(path)), writer_(std::move(writer)) {}
+  ContentWriter(std::filesystem::path path, Hdf5Writer writer) : path_(std::move(path)), writer_(std::move(writer)) {}
   Status WriteFields(const Schema& schema, Content content);
   Status WriteExtra(const ExtraFields& extra);
 

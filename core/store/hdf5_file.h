@@ -157,7 +157,7 @@ class Hdf5Writer {
   Status Written() const;
 
   std::filesystem::path path_;
-  PendingFile file_;                                                                ///< outlives id_, as its driver's
+  PendingFile file_;  ///< outlives id_, as its driver's
   std::unique_ptr<DescriptorFile> driver_file_ = std::make_unique<DescriptorFile>();
   Hdf5Id id_;
   std::map<std::string, Hdf5Id> made_;  ///< datasets of Make

@@ -73,9 +73,8 @@ Expected<Array> Hdf5Reader::ReadRows(const std::string& path, FieldType type, st
   return WithNumber(type, [&](auto number, hid_t native) -> Expected<Array> {
     std::vector<decltype(number)> held(values);
     const bool read =
-        values == 0 ||
-        (SelectRows(space.get(), first, extent) &&
-         H5Dread(dataset, native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
+        values == 0 || (SelectRows(space.get(), first, extent) &&
+                        H5Dread(dataset, native, memory.get(), space.get(), H5P_DEFAULT, held.data()) >= 0);
     if (!read) return Fail(ErrorCode::kMalformed, "values cannot be read", where);
     return MakeArray(std::move(extent), std::move(held));
   });

@@ -1,6 +1,5 @@
 #include "core/store/store.h"
 
-
 #include "core/base/file.h"
 #include "core/store/content_file.h"
 #include "core/store/dataset_writer.h"

@@ -9,8 +9,8 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/formats/number_scanner.h"
 #include "core/formats/line_reader.h"
+#include "core/formats/number_scanner.h"
 #include "core/formats/pickle.h"
 
 namespace mocurate {

@@ -20,7 +20,7 @@ namespace {
 using test::FixedDataset;
 using ::testing::HasSubstr;
 
-constexpr int kLargeClips = 40, kLargeFrames = 400;  // 7.7 MB: written to disk incrementally, not in memory
+constexpr int kLargeClips = 40, kLargeFrames = 400;  // 7.7 MB
 
 std::string HashOf(const std::filesystem::path& path) { return Sha256OfFile(path).value_or(""); }
 
@@ -42,7 +42,7 @@ Status CopyByClips(const std::filesystem::path& from, const std::filesystem::pat
   return writer->Finish();
 }
 
-// Hashes of files written by WriteDataset, from an image in memory.
+// Hashes of files written by WriteDataset.
 TEST(DatasetWriter, WritesTheSameBytesAsEarlierVersions) {
   const ScratchFolder folder;
   const struct {

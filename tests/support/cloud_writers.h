@@ -23,9 +23,7 @@ inline bool operator==(const PlyElement& a, const PlyElement& b) {
   return a.name == b.name && a.count == b.count && a.properties == b.properties;
 }
 
-inline bool operator==(const Ply& a, const Ply& b) {
-  return a.encoding == b.encoding && a.elements == b.elements;
-}
+inline bool operator==(const Ply& a, const Ply& b) { return a.encoding == b.encoding && a.elements == b.elements; }
 
 inline std::string_view TypeName(const ElementType& type) {
   if (type.kind == ElementKind::kReal) return type.bytes == 4 ? "float" : "double";

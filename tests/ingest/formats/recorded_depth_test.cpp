@@ -10,8 +10,8 @@
 
 #include "core/body/skinned_body.h"
 #include "core/formats/camera_files.h"
-#include "core/formats/point_cloud.h"
 #include "core/formats/png.h"
+#include "core/formats/point_cloud.h"
 #include "core/store/body_file.h"
 #include "ingest/inspect/calibration_estimate.h"
 #include "tests/formats/damage.h"
