@@ -10,13 +10,6 @@
 
 namespace mocurate {
 
-const StageInput* FindInput(const StageRequest& request, const std::string& role) {
-  for (const StageInput& input : request.inputs) {
-    if (input.role == role) return &input;
-  }
-  return nullptr;
-}
-
 Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* findings) {
   auto dataset = ReadDataset(input.path);
   if (dataset) {

@@ -8,9 +8,6 @@
 
 namespace mocurate {
 
-/// The input of a role; null when there is none.
-const StageInput* FindInput(const StageRequest& request, const std::string& role);
-
 /// The single clip of a Dataset or an evidence artifact, with its motion. `findings`, if not null, receives the file's.
 /// Error kInconsistent for a clip without motion.
 Expected<Clip> ReadMotionClip(const StageInput& input, std::vector<Finding>* findings);

@@ -50,9 +50,6 @@ struct AnnotatePageInput {
 /// are saved as the spans.csv that canon.trim reads (docs/review.md).
 std::string MakeAnnotatePage(const AnnotatePageInput& input);
 
-/// Time of a clip's first frame, in seconds from the first frame of its recording.
-double BeginInRecording(const Clip& clip);
-
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)
 /// -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
 /// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,

@@ -18,9 +18,6 @@ namespace {
 constexpr std::size_t kMostSpeeds = 6000;     ///< of one clip's curve
 constexpr double kMostPosesPerSecond = 15.0;  ///< in players
 constexpr const char* kProposed = "proposed";
-constexpr const char* kFirstFrame = "first_frame";  ///< provenance: of the clip's frame 0 in a longer recording
-
-std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
 /// By id or name of the recording, as in the session.
 using SessionSpans = std::map<std::string, std::vector<ListedSpan>>;
@@ -176,31 +173,17 @@ void AddLabelsOfSpans(AnnotatePageInput& input) {
 
 }  // namespace
 
-double BeginInRecording(const Clip& clip) {
-  const auto noted = clip.provenance.find(kFirstFrame);
-  const auto before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
-  return static_cast<double>(clip.identity.begin_frame + before) / RecordedRate(clip).hz();
-}
-
 Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   const auto options = OptionsFromJson<AnnotateOptions>(request.options, "annotate");
   if (!options) return Forward(options);
   AnnotatePageInput input;
-  std::optional<DatasetClips> clips;
-  SessionSpans session;
-  for (const StageInput& given : request.inputs) {
-    if (given.role == "dataset") {
-      auto opened = DatasetClips::Open(given.path, DatasetClips::Check::kHashes);
-      if (!opened) return Forward(opened);
-      clips.emplace(std::move(*opened));
-      input.dataset = given.name;
-    } else if (given.role == "spans") {
-      auto read = ReadSession(given);
-      if (!read) return Forward(read);
-      session = std::move(*read);
-    }
-  }
-  if (!clips) return Fail(ErrorCode::kInternal, "the stage has no dataset", request.item);
+  const StageInput *dataset = FindInput(request, "dataset"), *listed = FindInput(request, "spans");
+  if (dataset == nullptr) return Fail(ErrorCode::kInternal, "the stage has no dataset", request.item);
+  const auto clips = DatasetClips::Open(dataset->path, DatasetClips::Check::kHashes);
+  if (!clips) return Forward(clips);
+  input.dataset = dataset->name;
+  const auto session = listed == nullptr ? Expected<SessionSpans>() : ReadSession(*listed);
+  if (!session) return Forward(session);
   input.labels = options->labels.empty() ? clips->labels() : options->labels;
   input.skeleton = clips->skeleton();
   const auto rows = ChooseRows(*clips, *options, input.dataset);
@@ -228,11 +211,11 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   }
   std::set<std::string> recordings;
   for (std::size_t row = 0; row < clips->size(); ++row) recordings.insert(RecordingOf(clips->Id(row)));
-  const PlacedSession placed = PlaceSession(session, recordings, input);
-  if (!session.empty() && placed.known == 0) {
+  const PlacedSession placed = PlaceSession(*session, recordings, input);
+  if (!session->empty() && placed.known == 0) {
     return Fail(ErrorCode::kInconsistent,
-                "none of its " + Counted(static_cast<long long>(session.size()), "recording") + " is in the dataset",
-                request.item, "use the spans of this dataset; these are of another: '" + session.begin()->first + "'");
+                "none of its " + Counted(static_cast<long long>(session->size()), "recording") + " is in the dataset",
+                request.item, "use the spans of this dataset; these are of another: '" + session->begin()->first + "'");
   }
   std::size_t spans = 0;
   double least = kMostPosesPerSecond;
@@ -251,7 +234,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
                      {"not_shown", input.rest.size()},
                      {"poses_per_second", least},
                      {"labels", input.labels.size()},
-                     {"unknown", session.size() - placed.known},
+                     {"unknown", session->size() - placed.known},
                      {"excluded", placed.excluded}};
   return outcome;
 }

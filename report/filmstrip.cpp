@@ -270,10 +270,9 @@ Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, const StageInput&
 }
 
 Expected<DrawnClip> ReadDrawnClip(const StageRequest& request, std::vector<Finding>* findings) {
-  for (const StageInput& input : request.inputs) {
-    if (input.role == "evidence") return ReadDrawnClip(request, input, findings);
-  }
-  return Fail(ErrorCode::kInternal, "a picture needs evidence", request.item);
+  const StageInput* evidence = FindInput(request, "evidence");
+  if (evidence == nullptr) return Fail(ErrorCode::kInternal, "a picture needs evidence", request.item);
+  return ReadDrawnClip(request, *evidence, findings);
 }
 
 }  // namespace mocurate

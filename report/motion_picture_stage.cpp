@@ -13,9 +13,7 @@ namespace mocurate {
 
 Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const MotionPictureOptions& options) {
   std::vector<NamedMotions> sets;
-  const StageInput* body = nullptr;
   for (const StageInput& input : request.inputs) {
-    if (input.role == "body") body = &input;
     if (input.role != "motions") continue;
     auto set = ReadDataset(input.path);
     if (!set) return Forward(set);
@@ -23,6 +21,7 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
   }
   auto rows = ChooseMotionRows(sets, options);
   if (!rows || options.figure != FigureChoice::kSkin) return rows;
+  const StageInput* body = FindInput(request, "body");
   if (body == nullptr) return Fail(ErrorCode::kInternal, "drawing a skin needs a body", request.item);
   for (MotionRow& row : *rows) {
     if (row.clip.motion->joints_only()) {

@@ -58,24 +58,22 @@ Expected<StageOutcome> ReportStage(const StageRequest& request) {
   if (!options) return Forward(options);
   ReportInput input;
   input.options = *options;
-  bool has_run = false;
-  for (const StageInput& candidate : request.inputs) {
-    if (candidate.role == "run") {
-      auto run = ReadRun(candidate);
-      if (!run) return Forward(run);
-      input.run = std::move(*run);
-      has_run = true;
-    } else if (candidate.role == "dataset") {
-      auto dataset = ReadDataset(candidate.path);
-      if (!dataset) return Forward(dataset);
-      input.dataset = std::move(*dataset);
-    } else if (candidate.role == "generated") {
-      auto motions = ReadDataset(candidate.path);
-      if (!motions) return Forward(motions);
-      input.generated.emplace_back(candidate.name, std::move(*motions));
-    }
+  const StageInput *summary = FindInput(request, "run"), *set = FindInput(request, "dataset");
+  if (summary == nullptr) return Fail(ErrorCode::kInternal, "the stage report has no summary of a run", request.item);
+  auto run = ReadRun(*summary);
+  if (!run) return Forward(run);
+  input.run = std::move(*run);
+  if (set != nullptr) {
+    auto dataset = ReadDataset(set->path);
+    if (!dataset) return Forward(dataset);
+    input.dataset = std::move(*dataset);
   }
-  if (!has_run) return Fail(ErrorCode::kInternal, "the stage report has no summary of a run", request.item);
+  for (const StageInput& candidate : request.inputs) {
+    if (candidate.role != "generated") continue;
+    auto motions = ReadDataset(candidate.path);
+    if (!motions) return Forward(motions);
+    input.generated.emplace_back(candidate.name, std::move(*motions));
+  }
   ReadDrawnClips(request, input);
   const std::string page = MakePage(input);
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);

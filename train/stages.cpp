@@ -19,13 +19,6 @@
 namespace mocurate {
 namespace {
 
-const StageInput* InputOf(const StageRequest& request, const char* role) {
-  for (const StageInput& input : request.inputs) {
-    if (input.role == role) return &input;
-  }
-  return nullptr;
-}
-
 nlohmann::json LastOf(const Checkpoint& checkpoint, const std::string& column) {
   const auto found = checkpoint.history.find(column);
   return found == checkpoint.history.end() || found->second.empty() ? nlohmann::json()
@@ -75,21 +68,21 @@ struct TrainingInput {
 Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
   Expected<NetworkOptions> options = OptionsFromJson<NetworkOptions>(request.options);
   if (!options) return Forward(options);
-  const StageInput* dataset = InputOf(request, "dataset");
+  const StageInput* dataset = FindInput(request, "dataset");
   if (dataset == nullptr) {
     return Fail(ErrorCode::kInternal, "the stage has no input of role 'dataset'", request.stage + " " + request.item);
   }
   Expected<TrainingSet> set = ReadTrainingSet(dataset->path, NeedsOf(*options));
   if (!set) return Forward(set);
   std::string sha256 = dataset->sha256;
-  if (const StageInput* made = InputOf(request, "made")) {
+  if (const StageInput* made = FindInput(request, "made")) {
     const Expected<TrainingSet> clips = ReadTrainingSet(made->path, NeedsOf(*options));
     if (!clips) return Forward(clips);
     if (Status added = AddMade(*clips, *set); !added) return Forward(added);
     sha256 = Sha256Hex(sha256 + made->sha256);
   }
   TrainingInput input{std::move(*options), std::move(*set), std::move(sha256), nullptr};
-  if (const StageInput* body = InputOf(request, "body")) {
+  if (const StageInput* body = FindInput(request, "body")) {
     if (IsOfOneGender(body->name)) {
       return Fail(ErrorCode::kInconsistent, "the body is of one gender, the loss is on the neutral one", body->name,
                   "use SMPL_NEUTRAL.pkl");
@@ -105,7 +98,7 @@ Expected<TrainingInput> InputOfTraining(const StageRequest& request) {
 Expected<std::vector<MotionRequest>> RequestsOf(const StageRequest& request, const StageInput& file) {
   auto requests = ReadRequests(file.path);
   if (!requests) return Forward(requests);
-  const StageInput* previous = InputOf(request, "previous");
+  const StageInput* previous = FindInput(request, "previous");
   if (previous == nullptr) return requests;
   const auto set = ReadDataset(previous->path);
   if (!set) return Forward(set);
@@ -133,14 +126,14 @@ Expected<std::vector<MotionRequest>> RequestsOf(const StageRequest& request, con
 
 /// Networks that generate scripts together with the first one.
 Status OpenPartners(const StageRequest& request, LongMotionNetworks& networks) {
-  if (InputOf(request, "motions") == nullptr && !request.options.empty()) {
+  if (FindInput(request, "motions") == nullptr && !request.options.empty()) {
     const auto options = OptionsFromJson<LongMotionOptions>(request.options);
     if (!options) return Forward(options);
     networks.align = options->align;
     networks.snap = options->snap;
   }
   for (const auto& [role, network] : {std::pair("first", &networks.first), std::pair("fill", &networks.fill)}) {
-    const StageInput* file = InputOf(request, role);
+    const StageInput* file = FindInput(request, role);
     if (file == nullptr) continue;
     auto loaded = MotionGenerator::Load(file->path);
     if (!loaded) return Forward(loaded);
@@ -161,9 +154,9 @@ Expected<StageOutcome> TrainStage(const StageRequest& request) {
   control.threads = request.threads;
   control.stop = [] { return StopRequested(); };
   control.progress = [](double fraction, const std::string& text) { ReportProgress(fraction, text); };
-  if (const StageInput* start = InputOf(request, "start")) control.start = start->path;
-  if (const StageInput* weights = InputOf(request, "weights")) control.weights = weights->path;
-  if (const StageInput* first = InputOf(request, "start_from")) control.start_from = first->path;
+  if (const StageInput* start = FindInput(request, "start")) control.start = start->path;
+  if (const StageInput* weights = FindInput(request, "weights")) control.weights = weights->path;
+  if (const StageInput* first = FindInput(request, "start_from")) control.start_from = first->path;
   double seconds_before = 0.0;
   control.resumed = [&](double seconds) { seconds_before = seconds; };
   StageOutcome outcome;
@@ -192,8 +185,8 @@ Expected<StageOutcome> TrainCostStage(const StageRequest& request) {
 }
 
 Expected<StageOutcome> GenerateStage(const StageRequest& request) {
-  const StageInput *network = InputOf(request, "generator"), *asked = InputOf(request, "requests");
-  const StageInput* noisy = InputOf(request, "motions");
+  const StageInput *network = FindInput(request, "generator"), *asked = FindInput(request, "requests");
+  const StageInput* noisy = FindInput(request, "motions");
   if (network == nullptr || (asked == nullptr) == (noisy == nullptr)) {
     return Fail(ErrorCode::kInternal, "the stage needs 'generator', and 'requests' or 'motions'", request.item);
   }

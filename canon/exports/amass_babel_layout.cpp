@@ -106,9 +106,7 @@ struct Raise {
 
 /// The body that is written has SMPL-H's bones: its feet stand where the person's do, on the floor.
 Raise RaiseOf(const Clip& clip, const Motion& own, const Motion& written) {
-  Raise raise;
-  if (const auto noted = clip.provenance.find(kHeightOrigin); noted != clip.provenance.end())
-    raise.origin = noted->second;
+  Raise raise{0.0, clip.Noted(kHeightOrigin)};
   const std::optional<double> floor = FloorHeight(written);
   if (!floor) return raise;
   const bool on_floor = raise.origin == kOriginFloor;  // measured over more clips than this one
@@ -161,8 +159,7 @@ class AmassBabelWriter : public LayoutWriter {
     parts_come_back_ = parts_come_back_ && annotated && !part.empty();
     if (annotated) {
       BabelSequence sequence = SequenceOf(clip, source_ + "/" + file);
-      const auto sid = clip.provenance.find("babel_sid");
-      const std::optional<long long> known = sid == clip.provenance.end() ? std::nullopt : ParseInteger(sid->second);
+      const std::optional<long long> known = ParseInteger(clip.Noted("babel_sid"));
       if (known && *known > 0 && sids_.insert(*known).second) sequence.babel_sid = *known;
       sequences_[part.empty() ? "other" : part].push_back(std::move(sequence));
     }

@@ -187,20 +187,19 @@ class HumanAct12Writer : public LayoutWriter {
                                       : Counted(frames, "frame") + ", a name has four digits",
                   clip.id(), "export fewer with --clip, or with another layout");
     }
-    const auto noted = clip.provenance.find("first_frame");
-    const auto before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
-    const long long begin = clip.identity.begin_frame + before;
+    const long long begin = FirstRecordedFrame(clip);
     const int first = begin >= 0 && begin + frames - 1 <= kMostFrames ? static_cast<int>(begin) : 0;
+    const auto name_of = [&](int group, int repetition) {
+      return "P" + Padded(person, 2) + "G" + Padded(group, 2) + "R" + Padded(repetition, 2) + "F" + Padded(first, 4) +
+             "T" + Padded(first + frames - 1, 4) + "A" + *action;
+    };
     if (const auto phspd = ParsePhspdRecording(clip.identity.recording); phspd && phspd->subject == person) {
       // A clip cut as HumanAct12 was: the set's own name.
-      const std::string name = "P" + Padded(person, 2) + "G" + Padded(phspd->group, 2) + "R" + Padded(phspd->time, 2) +
-                               "F" + Padded(first, 4) + "T" + Padded(first + frames - 1, 4) + "A" + *action;
+      const std::string name = name_of(phspd->group, phspd->time);
       if (taken_.insert(name).second) return name;
     }
     for (int number = 0; number < kTwoDigits * kTwoDigits; ++number) {
-      const std::string name = "P" + Padded(person, 2) + "G" + Padded(number / kTwoDigits + 1, 2) + "R" +
-                               Padded(number % kTwoDigits + 1, 2) + "F" + Padded(first, 4) + "T" +
-                               Padded(first + frames - 1, 4) + "A" + *action;
+      const std::string name = name_of(number / kTwoDigits + 1, number % kTwoDigits + 1);
       if (!taken_.insert(name).second) continue;
       ++made_;
       return name;

@@ -145,8 +145,7 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
     }
   }
   const bool upright = (canonical_from_clip.rotation * Vector3d::UnitY() - Vector3d::UnitY()).norm() < kUpright;
-  const auto before = clip.provenance.find(kHeightOrigin);
-  const bool on_floor = upright && before != clip.provenance.end() && before->second == kOriginFloor;
+  const bool on_floor = upright && clip.Noted(kHeightOrigin) == kOriginFloor;
   FacingOptions noted = options;
   if (options.height == HeightOrigin::kMeasured) noted.height = on_floor ? HeightOrigin::kFloor : HeightOrigin::kRoot;
   Vector3d origin = motion.joints.at(*anchor, 0);

@@ -36,8 +36,6 @@ std::string TestCountsText(const std::vector<std::pair<std::string, std::size_t>
 
 }  // namespace
 
-std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
-
 bool IsAbout(const Finding& finding, const Clip& clip) {
   if (finding.clip == clip.id()) return true;
   if (RecordingOf(finding.clip) != RecordingOf(clip.id())) return false;

@@ -8,9 +8,6 @@
 
 namespace mocurate {
 
-/// A clip id without its frames: source/person/recording.
-std::string RecordingOf(const std::string& id);
-
 /// Whether a finding concerns a clip: it names the clip, or the recording that the clip was cut from, in frames that
 /// the clip has or without frames.
 bool IsAbout(const Finding& finding, const Clip& clip);

@@ -62,8 +62,7 @@ std::string TextOf(std::string_view field, const Clip& clip, const std::string& 
   if (field == "source") return identity.source;
   if (field == "role") return clip.role;
   if (field == "licence") return identity.licence;
-  const auto value = clip.provenance.find(argument);
-  return value == clip.provenance.end() ? std::string() : value->second;
+  return clip.Noted(argument);
 }
 
 double NumberOf(std::string_view field, const Clip& clip, const std::string& argument) {
@@ -71,10 +70,7 @@ double NumberOf(std::string_view field, const Clip& clip, const std::string& arg
   if (field == "seconds") return clip.motion ? clip.motion->duration() : 0.0;
   if (field == "rate") return clip.rate.hz();
   if (field == "fit_rms") return clip.fit_rms;
-  if (field == "confidence") {
-    const auto noted = clip.provenance.find("cut_confidence");
-    return noted == clip.provenance.end() ? 1.0 : ParseDouble(noted->second).value_or(1.0);
-  }
+  if (field == "confidence") return ParseDouble(clip.Noted("cut_confidence")).value_or(1.0);
   return static_cast<double>(std::count_if(clip.segments.begin(), clip.segments.end(),
                                            [&](const Segment& segment) { return segment.label == argument; }));
 }

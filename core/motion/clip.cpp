@@ -1,9 +1,18 @@
 #include "core/motion/clip.h"
 
+#include "core/base/text.h"
+
 namespace mocurate {
 
 std::string ClipIdentity::id() const {
   return source + "/" + person + "/" + recording + "#" + std::to_string(begin_frame) + "-" + std::to_string(end_frame);
+}
+
+std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
+
+std::string Clip::Noted(const std::string& key) const {
+  const auto noted = provenance.find(key);
+  return noted == provenance.end() ? std::string() : noted->second;
 }
 
 const std::vector<double>& SurfaceTimes(const Evidence& evidence) {
@@ -42,6 +51,14 @@ FrameRate RecordedRate(const Clip& clip) {
     if (const auto rate = FrameRate::Parse(noted->second)) return *rate;
   }
   return clip.motion ? clip.motion->rate : clip.rate;
+}
+
+long long FirstRecordedFrame(const Clip& clip) {
+  return clip.identity.begin_frame + ParseInteger(clip.Noted("first_frame")).value_or(0);
+}
+
+double BeginInRecording(const Clip& clip) {
+  return static_cast<double>(FirstRecordedFrame(clip)) / RecordedRate(clip).hz();
 }
 
 }  // namespace mocurate

@@ -134,7 +134,12 @@ struct Clip {
   std::map<std::string, std::string> provenance;  ///< sorted by key
 
   std::string id() const { return identity.id(); }
+  /// Value of `provenance`; empty: none.
+  std::string Noted(const std::string& key) const;
 };
+
+/// A clip id without its frames: source/person/recording.
+std::string RecordingOf(const std::string& id);
 
 /// Frames of its motion, else those of EvidenceTimes.
 int FrameCount(const Clip& clip);
@@ -142,6 +147,10 @@ int FrameCount(const Clip& clip);
 /// Rate of the recording, in which the identity's frames are counted: that of the clip, unless it was resampled.
 FrameRate RecordedRate(const Clip& clip);
 inline constexpr const char* kRecordedRate = "recorded_rate";  ///< provenance of a clip that was resampled
+
+/// Index of the clip's first frame in its recording, and its time in seconds from the recording's first frame.
+long long FirstRecordedFrame(const Clip& clip);
+double BeginInRecording(const Clip& clip);
 
 /// Provenance of a clip whose world was chosen: what its height 0 is, one of the names below.
 inline constexpr const char* kHeightOrigin = "origin";

@@ -34,6 +34,14 @@ struct StageRequest {
   int threads = 1;                ///< the item may use; never changes its bytes
 };
 
+/// The input of a role; null when there is none.
+inline const StageInput* FindInput(const StageRequest& request, std::string_view role) {
+  for (const StageInput& input : request.inputs) {
+    if (input.role == role) return &input;
+  }
+  return nullptr;
+}
+
 /// kDone, kSuspect: there is an artifact. kExcluded: none, by a rule of the configuration; this is not a failure.
 /// kRefused: none, because the input cannot be used. kCrashed: none, because the worker was killed, or ran out of time
 /// or memory.

@@ -28,12 +28,6 @@ namespace {
 constexpr int kMeasuredAtOnce = 64;     // motions of a thread
 constexpr double kFarFromOrigin = 0.5;  // metres; published decoders start their roots within millimetres
 
-const StageInput* InputOf(const StageRequest& request, const std::string& role) {
-  const auto found = std::find_if(request.inputs.begin(), request.inputs.end(),
-                                  [&](const StageInput& input) { return input.role == role; });
-  return found == request.inputs.end() ? nullptr : &*found;
-}
-
 /// Motions of one pass with their classes, by the extractor's indices.
 struct PassMotions {
   std::vector<const Motion*> motions;
@@ -292,8 +286,8 @@ Expected<InferredCut> CutInferred(Dataset& dataset, std::set<int>& skipped) {
 Expected<StageOutcome> Features(const OpenGenerator& open_generator, const StageRequest& request) {
   const auto options = OptionsFromJson<FeaturesOptions>(request.options, "features");
   if (!options) return Forward(options);
-  const StageInput* weights = InputOf(request, "weights");
-  const StageInput* motions = InputOf(request, "motions");
+  const StageInput* weights = FindInput(request, "weights");
+  const StageInput* motions = FindInput(request, "motions");
   if (weights == nullptr || motions == nullptr) {
     return Fail(ErrorCode::kInternal, "the stage features needs the roles 'weights' and 'motions'", request.item);
   }
@@ -309,10 +303,10 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   if (Status treated = TreatZeros(options->padding, *dataset, skipped, padding); !treated) return Forward(treated);
   FeaturesRun run(*options, *extractor, request.threads);
   Status done;
-  if (const StageInput* generator = InputOf(request, "generator")) {
+  if (const StageInput* generator = FindInput(request, "generator")) {
     GeneratorFiles files{generator->path, {}, {}, options->align};
-    if (const StageInput* first = InputOf(request, "first")) files.first = first->path;
-    if (const StageInput* fill = InputOf(request, "fill")) files.fill = fill->path;
+    if (const StageInput* first = FindInput(request, "first")) files.first = first->path;
+    if (const StageInput* fill = FindInput(request, "fill")) files.fill = fill->path;
     const auto answer = open_generator(files, request.threads);
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
@@ -355,7 +349,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   outcome.summary["far"] = 0;
   outcome.summary["facing_away"] = std::count_if(dataset->clips.begin(), dataset->clips.end(),
                                                  [](const Clip& clip) { return FacesAway(*clip.motion); });
-  if (as_given && InputOf(request, "generator") == nullptr) {
+  if (as_given && FindInput(request, "generator") == nullptr) {
     outcome.summary["far"] = std::count_if(dataset->clips.begin(), dataset->clips.end(), [](const Clip& clip) {
       return clip.motion->joints.at(0, 0).norm() > kFarFromOrigin;
     });

@@ -239,10 +239,7 @@ std::vector<int> BatchOrder::RowsOf(std::int64_t step) const {
 }
 
 std::vector<int> MadeWithout(const TrainingSet& set, const std::vector<int>& held_out) {
-  const auto recording = [&](int row) {
-    const std::string& id = set.clips[static_cast<std::size_t>(row)].id;
-    return id.substr(0, id.rfind('#'));  // source/person/recording
-  };
+  const auto recording = [&](int row) { return RecordingOf(set.clips[static_cast<std::size_t>(row)].id); };
   std::set<std::string> held;
   for (const int row : held_out) held.insert(recording(row));
   std::vector<int> made;
