@@ -99,21 +99,18 @@ Expected<Clip> ReadInputClip(const StageRequest& request, const CanonOptions& op
 
 /// Why a heading is suspect: its axis is nearly vertical in the anchor frame. Nothing for a reliable one.
 std::optional<Finding> SuspectHeading(const FacingOptions& options, const Clip& clip, const Heading& heading) {
-  Finding finding;
-  finding.clip = clip.id();
-  finding.value = heading.horizontal;
-  finding.action = FindingAction::kKept;
+  const auto about = [&](const char* code, const std::string& message) {
+    return MakeFinding(code, Severity::kWarning, heading.horizontal, message, FindingAction::kKept, clip.id());
+  };
   if (heading.source == YawSource::kForwardAxis) {
-    finding.code = "heading_from_forward_axis";
-    finding.message = "the hip axis is nearly vertical in the anchor frame; yaw was read from the forward axis";
-    return finding;
+    return about("heading_from_forward_axis",
+                 "the hip axis is nearly vertical in the anchor frame; yaw was read from the forward axis");
   }
   if (heading.horizontal >= options.min_horizontal) return std::nullopt;
-  finding.code = "heading_ill_conditioned";
-  finding.message = std::string(heading.source == YawSource::kTwist ? "the person is nearly upside down"
-                                                                    : "the hip axis is nearly vertical") +
-                    " in the anchor frame, where yaw is unstable; set facing.anchor to another frame";
-  return finding;
+  return about("heading_ill_conditioned",
+               std::string(heading.source == YawSource::kTwist ? "the person is nearly upside down"
+                                                               : "the hip axis is nearly vertical") +
+                   " in the anchor frame, where yaw is unstable; set facing.anchor to another frame");
 }
 
 std::string WhatIsMissing(const TrimOptions& options) {

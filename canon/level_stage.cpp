@@ -18,16 +18,13 @@ Finding UnknownFloor(const std::string& group) {
 
 Finding SensorTilt(const std::string& group, const FloorPlane& floor) {
   const auto degrees = [](double radians) { return radians * 180.0 / kPi; };
-  Finding finding;
-  finding.code = "sensor_tilt";
-  finding.severity = Severity::kInfo;
-  finding.value = degrees(floor.tilt());
-  finding.message = "sensor (" + group + "): tilted by " + RoundedText(finding.value, 3) + " +- " +
-                    RoundedText(degrees(floor.tilt_sigma), 2) + " degrees, the floor " + RoundedText(-floor.height, 3) +
-                    " m below it; stance phases: " + std::to_string(floor.contacts) + " times in " +
-                    Counted(floor.clips, "clip");
-  finding.action = FindingAction::kRepaired;
-  return finding;
+  const double tilt = degrees(floor.tilt());
+  return MakeFinding(
+      "sensor_tilt", Severity::kInfo, tilt,
+      "sensor (" + group + "): tilted by " + RoundedText(tilt, 3) + " +- " + RoundedText(degrees(floor.tilt_sigma), 2) +
+          " degrees, the floor " + RoundedText(-floor.height, 3) +
+          " m below it; stance phases: " + std::to_string(floor.contacts) + " times in " + Counted(floor.clips, "clip"),
+      FindingAction::kRepaired);
 }
 
 }  // namespace

@@ -23,13 +23,11 @@ Finding NotListed(const Clip& clip, const std::vector<ClassOptions>& classes) {
   std::vector<std::string> names;
   for (const ClassOptions& listed : classes) names.push_back(listed.name);
   const auto near = Nearest(clip.label, names);
-  Finding finding = MakeFinding(kLabelNotListed, Severity::kInfo, 0.0,
-                                "label '" + clip.label + "' maps to none of the " + std::to_string(classes.size()) +
-                                    (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
-                                    (near ? "; the nearest is '" + *near + "'" : ""),
-                                FindingAction::kExcluded);
-  finding.clip = clip.id();
-  return finding;
+  return MakeFinding(kLabelNotListed, Severity::kInfo, 0.0,
+                     "label '" + clip.label + "' maps to none of the " + std::to_string(classes.size()) +
+                         (classes.size() == 1 ? " class" : " classes") + " of the recipe" +
+                         (near ? "; the nearest is '" + *near + "'" : ""),
+                     FindingAction::kExcluded, clip.id());
 }
 
 /// Fine labels of the clips, by class and name. A fine label of two classes stays with the first: clips of the other
@@ -49,13 +47,11 @@ void CollectFineLabels(Dataset& dataset, std::vector<Finding>& findings) {
     const std::string& parent =
         dataset.labels[static_cast<std::size_t>(dataset.fine_labels[static_cast<std::size_t>(fine)].parent)];
     if (parent == clip.label) continue;
-    Finding finding = MakeFinding("fine_label_of_two_classes", Severity::kWarning, 0.0,
-                                  "fine label '" + clip.fine_label + "' is of class '" + parent +
-                                      "', the clip is of '" + clip.label + "'; give it another name");
-    finding.clip = clip.id();
-    finding.message += "; fine label removed";
-    finding.action = FindingAction::kKept;
-    findings.push_back(finding);
+    findings.push_back(MakeFinding("fine_label_of_two_classes", Severity::kWarning, 0.0,
+                                   "fine label '" + clip.fine_label + "' is of class '" + parent +
+                                       "', the clip is of '" + clip.label +
+                                       "'; give it another name; fine label removed",
+                                   FindingAction::kKept, clip.id()));
     clip.fine_label.clear();
   }
 }
@@ -141,11 +137,10 @@ std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Data
     names += (empty++ > 0 ? ", " : "") + listed.name;
   }
   if (empty == 0) return {};
-  Finding finding = MakeFinding("class_without_clips", Severity::kWarning, static_cast<double>(empty),
-                                std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
-                                    " classes of assemble.classes have no clip: " + names +
-                                    "; they keep their indices, for networks and recognisers of the recipe");
-  return {finding};
+  return {MakeFinding("class_without_clips", Severity::kWarning, static_cast<double>(empty),
+                      std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
+                          " classes of assemble.classes have no clip: " + names +
+                          "; they keep their indices, for networks and recognisers of the recipe")};
 }
 
 std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset) {

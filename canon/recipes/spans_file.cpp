@@ -13,23 +13,13 @@ std::string RecordingId(const Clip& clip) {
   return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
 }
 
-/// Index of the clip's first frame in the recording.
-double FirstFrame(const Clip& clip) {
-  const auto noted = clip.provenance.find("first_frame");
-  const long long before = noted == clip.provenance.end() ? 0 : ParseInteger(noted->second).value_or(0);
-  return static_cast<double>(clip.identity.begin_frame + before);
-}
-
 Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, FindingAction action) {
-  Finding finding = MakeFinding(
-      "span_outside", severity, seconds,
-      span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " + RoundedText(span.end, 6) +
-          (span.in_frames ? " frames" : " s") + " exceeds the clip, " +
-          RoundedText(FirstFrame(clip) / RecordedRate(clip).hz(), 6) + " to " +
-          RoundedText(FirstFrame(clip) / RecordedRate(clip).hz() + clip.motion->duration(), 6) + " s of its recording",
-      action);
-  finding.clip = clip.id();
-  return finding;
+  return MakeFinding("span_outside", severity, seconds,
+                     span.place + ": '" + span.label + "' from " + RoundedText(span.begin, 6) + " to " +
+                         RoundedText(span.end, 6) + (span.in_frames ? " frames" : " s") + " exceeds the clip, " +
+                         RoundedText(BeginInRecording(clip), 6) + " to " +
+                         RoundedText(BeginInRecording(clip) + clip.motion->duration(), 6) + " s of its recording",
+                     action, clip.id());
 }
 
 }  // namespace
@@ -58,13 +48,13 @@ bool NamesClip(const ListedSpan& span, const Clip& clip) {
 std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings) {
   std::vector<int> lines;
   std::vector<Segment> segments;
-  const double offset = FirstFrame(clip);
   const double duration_s = clip.motion->duration();
   for (const ListedSpan& span : spans) {
     if (!NamesClip(span, clip)) continue;
     lines.push_back(span.line);
     const auto seconds = [&](double place) {
-      return span.in_frames ? (place - offset) / RecordedRate(clip).hz() : place - offset / RecordedRate(clip).hz();
+      if (!span.in_frames) return place - BeginInRecording(clip);
+      return (place - static_cast<double>(FirstRecordedFrame(clip))) / RecordedRate(clip).hz();
     };
     Segment segment{std::max(0.0, seconds(span.begin)), seconds(span.end), span.label, "", kListedOrigin};
     if (!span.fine_label.empty()) {

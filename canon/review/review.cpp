@@ -110,21 +110,16 @@ Status Check(const Review& review, const std::filesystem::path& path) {
 
 Finding About(const Clip& clip, const char* code, FindingAction action, const std::string& message,
               const Decision& decision) {
-  Finding finding;
-  finding.clip = clip.id();
-  finding.code = code;
-  finding.severity = Severity::kInfo;
-  finding.message = message + (decision.finding.empty() ? "" : " because of " + decision.finding) +
-                    (decision.note.empty() ? "" : ": " + decision.note);
-  finding.action = action;
-  return finding;
+  return MakeFinding(code, Severity::kInfo, 0.0,
+                     message + (decision.finding.empty() ? "" : " because of " + decision.finding) +
+                         (decision.note.empty() ? "" : ": " + decision.note),
+                     action, clip.id());
 }
 
 Finding Stale(const Decision& decision, const std::string& why) {
-  Finding finding = MakeFinding("review_stale", Severity::kWarning, 0.0,
-                                decision.place + ": " + VerdictName(decision.verdict) + " was not applied: " + why);
-  finding.clip = decision.clip;
-  return finding;
+  return MakeFinding("review_stale", Severity::kWarning, 0.0,
+                     decision.place + ": " + VerdictName(decision.verdict) + " was not applied: " + why,
+                     FindingAction::kFlagged, decision.clip);
 }
 
 std::string ContentOf(const Clip& clip) { return clip.motion ? MotionFingerprint(*clip.motion) : ""; }

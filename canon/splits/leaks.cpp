@@ -57,26 +57,20 @@ std::map<std::string, RowsByPart> InTwoParts(const std::vector<int>& parts, cons
   return found;
 }
 
-Leaks FindLeaks(const std::vector<int>& parts, const std::vector<std::string>& groups,
-                const std::vector<std::string>& contents) {
-  Leaks leaks;
-  for (const auto& [group, rows] : InTwoParts(parts, groups)) leaks.groups.push_back(group);
-  leaks.repeated = InTwoParts(parts, contents).size();
-  return leaks;
-}
-
-std::string LeakText(const std::string& what, const Leaks& leaks) {
-  if (leaks.empty()) return "ok: no " + (what.empty() ? "" : what + " and no ") + "equal clip in two parts";
-  std::string text = "leaks:";
-  if (!leaks.groups.empty()) text += " in two parts: " + JoinTexts(leaks.groups) + ";";
-  if (leaks.repeated > 0) {
-    text += " " + Counted(static_cast<long long>(leaks.repeated), "clip") + " of equal content in two parts";
+std::string LeakText(const std::string& what, const std::vector<std::string>& groups, std::size_t repeated) {
+  if (groups.empty() && repeated == 0) {
+    return "ok: no " + (what.empty() ? "" : what + " and no ") + "equal clip in two parts";
   }
+  std::string text = "leaks:";
+  if (!groups.empty()) text += " in two parts: " + JoinTexts(groups) + ";";
+  if (repeated > 0) text += " " + Counted(static_cast<long long>(repeated), "clip") + " of equal content in two parts";
   return text;
 }
 
-std::string PerformanceOf(const Clip& clip, bool sessions_together) {
+std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together) {
   const ClipIdentity& identity = clip.identity;
+  if (by == SplitBy::kPerson) return identity.person;
+  if (by == SplitBy::kStyle) return clip.Noted("style");
   if (sessions_together && !identity.session.empty()) {
     return identity.source + "/" + identity.person + "/session " + identity.session;
   }

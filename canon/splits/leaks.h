@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "canon/options.h"
 #include "core/motion/clip.h"
 #include "core/store/store.h"
 
@@ -28,24 +29,14 @@ using RowsByPart = std::map<int, std::vector<std::size_t>>;
 /// The groups that are in two parts. Clips whose part is negative, or whose group is empty, do not count.
 std::map<std::string, RowsByPart> InTwoParts(const std::vector<int>& parts, const std::vector<std::string>& groups);
 
-/// What two parts of a split share although they must not.
-struct Leaks {
-  std::vector<std::string> groups;  ///< persons, styles, performances; sorted
-  std::size_t repeated = 0;         ///< contents that clips of two parts have
-
-  bool empty() const { return groups.empty() && repeated == 0; }
-};
-
-/// `parts`, `groups` and `contents` are of each clip; clips whose part is negative are in none.
-Leaks FindLeaks(const std::vector<int>& parts, const std::vector<std::string>& groups,
-                const std::vector<std::string>& contents);
-
-/// Text of Split::leak_check: "ok: no person and no equal clip in two parts", or what leaks. `what` names
+/// Text of Split::leak_check: "ok: no person and no equal clip in two parts", or what two parts share although they
+/// must not: `groups` (persons, styles, performances), and the number of contents that clips of both have. `what` names
 /// the groups, or is empty.
-std::string LeakText(const std::string& what, const Leaks& leaks);
+std::string LeakText(const std::string& what, const std::vector<std::string>& groups, std::size_t repeated);
 
-/// The group of one performance, with all its cameras and spans. With `sessions_together`, a person's session.
-std::string PerformanceOf(const Clip& clip, bool sessions_together);
+/// The property of a clip that no two parts share: its person, style or performance (with all its cameras and spans;
+/// with `sessions_together` a person's session).
+std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together);
 
 /// Identity of the clip's source data, with its span; empty where it is unknown.
 std::string SourceContentOf(const Clip& clip);

@@ -55,19 +55,19 @@ Status CheckRoles(const SplitOptions& options, const Dataset& dataset, std::vect
     return Fail(ErrorCode::kConfig, what, "assemble.splits." + options.name,
                 "declare ingest.source.roles or annotation_roles, or split by: person");
   }
-  Finding finding = MakeFinding("split_name_absent", Severity::kWarning, 0.0, "split '" + options.name + "': " + what,
-                                FindingAction::kFlagged);
-  findings.push_back(std::move(finding));
+  findings.push_back(
+      MakeFinding("split_name_absent", Severity::kWarning, 0.0, "split '" + options.name + "': " + what));
   return {};
 }
 
 /// Groups (persons, styles, recordings) and clips of equal content that are in two parts.
 std::string LeakCheck(const SplitOptions& options, const Dataset& dataset, const std::vector<int>& parts,
                       const std::vector<std::string>& hashes) {
-  std::vector<std::string> groups;
+  std::vector<std::string> groups, shared;
   for (const Clip& clip : dataset.clips) groups.push_back(GroupOf(options, clip));
+  for (const auto& [group, rows] : InTwoParts(parts, groups)) shared.push_back(group);
   const std::string what = options.by == SplitBy::kRole ? "performance" : NameOf(options.by);
-  return LeakText(what, FindLeaks(parts, groups, ContentsOf(dataset.clips, hashes)));
+  return LeakText(what, shared, InTwoParts(parts, ContentsOf(dataset.clips, hashes)).size());
 }
 
 /// Limits the clips of each label in a part to those whose ids hash lowest. Returns the number removed.
@@ -90,21 +90,6 @@ long long TakeAtMost(std::int64_t most, std::int64_t seed, const Dataset& datase
 }
 
 }  // namespace
-
-std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together) {
-  switch (by) {
-    case SplitBy::kPerson:
-      return clip.identity.person;
-    case SplitBy::kStyle: {
-      const auto style = clip.provenance.find("style");
-      return style == clip.provenance.end() ? std::string() : style->second;
-    }
-    case SplitBy::kFraction:
-    case SplitBy::kRole:
-      return PerformanceOf(clip, sessions_together);
-  }
-  return {};
-}
 
 std::optional<SplitBy> KeptApart(const Split& split) {
   std::optional<SplitBy> found;

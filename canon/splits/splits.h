@@ -8,9 +8,6 @@
 
 namespace mocurate {
 
-/// The property of a clip that no two parts share: its person, style or performance.
-std::string GroupOf(SplitBy by, const Clip& clip, bool sessions_together);
-
 /// What a rule that MakeSplit wrote, or a merge of such rules, keeps apart; empty for other rules.
 std::optional<SplitBy> KeptApart(const Split& split);
 

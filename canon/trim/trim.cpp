@@ -25,10 +25,8 @@ std::vector<KeptSpan> AnnotatedSpans(const TrimOptions& options, const Clip& cli
     const int end =
         std::clamp(static_cast<int>(std::lround(segment.end_s * motion.rate.hz())), 0, motion.frame_count());
     if (std::find(options.drop_labels.begin(), options.drop_labels.end(), segment.label) != options.drop_labels.end()) {
-      Finding finding = DroppedSpan(clip, "label_excluded", begin, end, segment.end_s - segment.begin_s,
-                                    "segment '" + segment.label + "' is in trim.drop_labels");
-      finding.severity = Severity::kInfo;
-      findings.push_back(finding);
+      findings.push_back(DroppedSpan(clip, "label_excluded", begin, end, segment.end_s - segment.begin_s,
+                                     "segment '" + segment.label + "' is in trim.drop_labels", Severity::kInfo));
       continue;
     }
     const auto [same, added] = label_of.emplace(std::pair(begin, end), "");  // a clip id contains its frames
@@ -83,12 +81,10 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
   const KeptSpan span{std::max(0, first - margin), std::min(motion.frame_count(), last + 1 + margin), clip.label,
                       clip.fine_label};
   if (span.end - span.begin < motion.frame_count()) {
-    Finding finding = DroppedSpan(clip, "still_frames", span.begin, span.end,
-                                  static_cast<double>(motion.frame_count() - (span.end - span.begin)),
-                                  "still frames at the ends were cut; the frames named here were kept");
-    finding.severity = Severity::kInfo;
-    finding.action = FindingAction::kDropped;
-    findings.push_back(finding);
+    findings.push_back(DroppedSpan(
+        clip, "still_frames", span.begin, span.end,
+        static_cast<double>(motion.frame_count() - (span.end - span.begin)),
+        "still frames at the ends were cut; the frames named here were kept", Severity::kInfo));
   }
   return {span};
 }
@@ -100,10 +96,9 @@ std::vector<KeptSpan> ChangeSpans(const TrimOptions& options, const Clip& clip, 
     const ProposedSegment& segment = segments[i];
     if (segment.rest && !options.change_points.keep_rests) {
       const double length_s = clip.motion->rate.FrameTime(segment.end - segment.begin);
-      Finding finding = DroppedSpan(clip, "rest", segment.begin, segment.end, length_s,
-                                    "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false");
-      finding.severity = Severity::kInfo;
-      findings.push_back(std::move(finding));
+      findings.push_back(DroppedSpan(
+          clip, "rest", segment.begin, segment.end, length_s,
+          "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false", Severity::kInfo));
       continue;
     }
     const double end_confidence = i + 1 < segments.size() ? segments[i + 1].confidence : 1.0;
@@ -127,9 +122,9 @@ std::vector<KeptSpan> CycleSpans(const TrimOptions& options, const Clip& clip, s
 
 }  // namespace
 
-Finding DroppedSpan(const Clip& clip, const char* code, int begin, int end, double value, std::string message) {
-  Finding finding = MakeFinding(code, Severity::kWarning, value, std::move(message), FindingAction::kDropped);
-  finding.clip = clip.id();
+Finding DroppedSpan(const Clip& clip, const char* code, int begin, int end, double value, std::string message,
+                    Severity severity) {
+  Finding finding = MakeFinding(code, severity, value, std::move(message), FindingAction::kDropped, clip.id());
   finding.frame_begin = begin;
   finding.frame_end = end;
   return finding;

@@ -26,8 +26,9 @@ bool EstimatesCuts(TrimRule rule);
 /// often, each with all of them.
 Status CheckOverlap(const Clip& clip, const std::string& where);
 
-/// A warning that frames of a clip are dropped.
-Finding DroppedSpan(const Clip& clip, const char* code, int begin, int end, double value, std::string message);
+/// A finding about frames of a clip that are dropped.
+Finding DroppedSpan(const Clip& clip, const char* code, int begin, int end, double value, std::string message,
+                    Severity severity = Severity::kWarning);
 
 /// Window of FrameSpeeds: longer ones suppress more noise.
 inline constexpr double kSpeedWindow_s = 0.4;

@@ -22,28 +22,15 @@ namespace {
 using MergedRows = std::vector<std::vector<int>>;
 
 /// Properties that a split may separate. People of two sources with one name are two.
-enum class GroupKind { kPerson, kStyle, kPerformance };
-constexpr std::pair<GroupKind, const char*> kGroupKinds[] = {
-    {GroupKind::kPerson, "person"}, {GroupKind::kStyle, "style"}, {GroupKind::kPerformance, "performance"}};
+constexpr std::pair<SplitBy, const char*> kGroupKinds[] = {
+    {SplitBy::kPerson, "person"}, {SplitBy::kStyle, "style"}, {SplitBy::kFraction, "performance"}};
 
-std::vector<std::string> GroupsOf(GroupKind kind, const std::vector<Clip>& clips) {
+std::vector<std::string> GroupsOf(SplitBy by, const std::vector<Clip>& clips) {
   std::vector<std::string> groups;
   for (const Clip& clip : clips) {
-    if (kind == GroupKind::kPerson) groups.push_back(clip.identity.source + "/" + clip.identity.person);
-    if (kind == GroupKind::kPerformance) groups.push_back(PerformanceOf(clip, false));
-    if (kind == GroupKind::kStyle) {
-      const auto style = clip.provenance.find("style");
-      groups.push_back(style == clip.provenance.end() ? "" : style->second);
-    }
+    groups.push_back((by == SplitBy::kPerson ? clip.identity.source + "/" : "") + GroupOf(by, clip, false));
   }
   return groups;
-}
-
-/// Groups of this type that are in two parts.
-std::vector<std::string> SharedGroups(GroupKind kind, const std::vector<int>& parts, const std::vector<Clip>& clips) {
-  std::vector<std::string> shared;
-  for (const auto& [group, rows] : InTwoParts(parts, GroupsOf(kind, clips))) shared.push_back(group);
-  return shared;
 }
 
 /// A part, and its own split.
@@ -79,21 +66,20 @@ Expected<std::vector<std::string>> ContentsOf(const std::vector<MergePart>& part
 std::string CheckUnited(const std::vector<MergePart>& parts, const std::vector<SplitOfPart>& splits,
                         const std::vector<int>& part_of_row, const std::vector<Clip>& clips,
                         const std::vector<std::string>& contents) {
-  Leaks leaks;
-  leaks.repeated = InTwoParts(part_of_row, contents).size();
+  std::vector<std::string> shared;
   std::string apart;
-  for (const auto& [kind, name] : kGroupKinds) {
-    const bool kept_apart = std::all_of(splits.begin(), splits.end(), [&, k = kind](const SplitOfPart& one) {
+  for (const auto& [by, name] : kGroupKinds) {
+    const bool kept_apart = std::all_of(splits.begin(), splits.end(), [&, by = by](const SplitOfPart& one) {
       const std::vector<Clip>& own = parts[one.first].dataset.clips;
-      return SharedGroups(k, PartsOf(*one.second, own.size()), own).empty();
+      return InTwoParts(PartsOf(*one.second, own.size()), GroupsOf(by, own)).empty();
     });
-    const std::vector<std::string> groups = GroupsOf(kind, clips);
+    const std::vector<std::string> groups = GroupsOf(by, clips);
     const bool known = std::any_of(groups.begin(), groups.end(), [](const std::string& g) { return !g.empty(); });
     if (!kept_apart || !known) continue;
     apart += (apart.empty() ? "" : ", ") + std::string(name);
-    for (std::string& group : SharedGroups(kind, part_of_row, clips)) leaks.groups.push_back(std::move(group));
+    for (const auto& [group, rows] : InTwoParts(part_of_row, groups)) shared.push_back(group);
   }
-  std::string text = LeakText(apart, leaks);
+  std::string text = LeakText(apart, shared, InTwoParts(part_of_row, contents).size());
   for (const auto& [p, split] : splits) {
     if (split->leak_check.rfind("ok", 0) == 0) continue;
     text = (text.rfind("ok", 0) == 0 ? "leaks:" : text + ";") + " in " + parts[p].name + ": " + split->leak_check;
@@ -110,8 +96,7 @@ void ReportAbsent(const std::vector<MergePart>& parts, const std::vector<SplitOf
     if (has || clips == 0) continue;
     findings.push_back(MakeFinding("split_incomplete", Severity::kWarning, static_cast<double>(clips),
                                    "split '" + name + "' is missing in " + parts[p].name + ", whose " +
-                                       Counted(static_cast<long long>(clips), "clip") + " are in no part of it",
-                                   FindingAction::kFlagged));
+                                       Counted(static_cast<long long>(clips), "clip") + " are in no part of it"));
   }
 }
 
@@ -140,13 +125,11 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
           part_of_row[at] = own[row];
           decided_by[at] = p;
         } else if (part_of_row[at] != own[row]) {
-          Finding finding =
+          findings.push_back(
               MakeFinding("split_part_differs", Severity::kWarning, 2.0,
                           "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " + parts[decided_by[at]].name +
                               ", " + NameOfPart(own[row]) + " in " + parts[p].name + "; kept in the first",
-                          FindingAction::kKept);
-          finding.clip = clips[at].id();
-          findings.push_back(std::move(finding));
+                          FindingAction::kKept, clips[at].id()));
         }
       }
     }
@@ -159,8 +142,8 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
     }
     split.leak_check = CheckUnited(parts, splits, part_of_row, clips, *contents);
     if (split.leak_check.rfind("ok", 0) != 0) {
-      findings.push_back(MakeFinding("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check,
-                                     FindingAction::kFlagged));
+      findings.push_back(
+          MakeFinding("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check));
     }
     united.push_back(std::move(split));
   }
@@ -231,13 +214,6 @@ tl::unexpected<Error> FailBy(const Conflict& conflict) {
                        : "remove it from one: mocurate dataset subset --where \"id != '" + conflict.id + "'\"");
 }
 
-Finding RepeatedClip(const std::string& id, std::size_t count, const std::string& first, const std::string& others) {
-  Finding finding = MakeFinding("repeated_clip", Severity::kInfo, static_cast<double>(count),
-                                "the same in " + first + " and " + others, FindingAction::kDropped);
-  finding.clip = id;
-  return finding;
-}
-
 /// One clip of each id, and findings about those in several parts.
 Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, MergedRows& new_rows) {
   ClipsById by_id;
@@ -264,7 +240,9 @@ Status UniteClips(const std::vector<MergePart>& parts, MergedDataset& merged, Me
       others += (others.empty() ? "" : ", ") + parts[p].name;
     }
     if (places.size() > 1) {
-      merged.findings.push_back(RepeatedClip(id, places.size(), parts[first].name, others));
+      merged.findings.push_back(MakeFinding("repeated_clip", Severity::kInfo, static_cast<double>(places.size()),
+                                            "the same in " + parts[first].name + " and " + others,
+                                            FindingAction::kDropped, id));
     }
     merged.origins.emplace_back(first, first_row);
     merged.dataset.clips.push_back(parts[first].dataset.clips[first_row]);

@@ -23,11 +23,8 @@ std::string PartsText(const std::vector<Split>& splits, int row) {
 }
 
 Finding NotFitted(const std::string& id, const std::string& reason, const std::string& parts) {
-  Finding finding =
-      MakeFinding("clip_not_fitted", Severity::kError, 0.0,
-                  reason + (parts.empty() ? "" : "; it left the splits " + parts), FindingAction::kDropped);
-  finding.clip = id;
-  return finding;
+  return MakeFinding("clip_not_fitted", Severity::kError, 0.0,
+                     reason + (parts.empty() ? "" : "; it left the splits " + parts), FindingAction::kDropped, id);
 }
 
 /// What the clip was before, with its new motion. Where its source data is unknown, it stays so.

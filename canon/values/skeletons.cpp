@@ -27,9 +27,7 @@ bool SameButRest(const Skeleton& a, const Skeleton& b) {
 
 /// A clip that is incompatible with the others of a dataset.
 Finding OtherSkeleton(const Clip& clip, double apart, const std::string& message) {
-  Finding finding = MakeFinding("other_skeleton", Severity::kError, apart, message, FindingAction::kExcluded);
-  finding.clip = clip.id();
-  return finding;
+  return MakeFinding("other_skeleton", Severity::kError, apart, message, FindingAction::kExcluded, clip.id());
 }
 
 }  // namespace
@@ -91,14 +89,12 @@ void FindMixedRates(const Dataset& dataset, std::vector<Finding>& findings) {
   std::map<double, int> rates;
   for (const Clip& clip : dataset.clips) ++rates[clip.rate.hz()];
   if (rates.size() < 2) return;
-  Finding finding =
-      MakeFinding("mixed_rates", Severity::kWarning, static_cast<double>(rates.size()), "the set mixes clips of");
-  for (const auto& [rate, count] : rates) {
-    finding.message += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
-  }
-  finding.message += ": windows of equal frames have different durations; set canon.rate to resample them";
-  finding.action = FindingAction::kFlagged;
-  findings.push_back(finding);
+  std::string list;
+  for (const auto& [rate, count] : rates) list += " " + RoundedText(rate, 6) + " Hz (" + std::to_string(count) + ")";
+  findings.push_back(
+      MakeFinding("mixed_rates", Severity::kWarning, static_cast<double>(rates.size()),
+                  "the set mixes clips of" + list +
+                      ": windows of equal frames have different durations; set canon.rate to resample them"));
 }
 
 }  // namespace mocurate

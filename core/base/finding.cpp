@@ -27,17 +27,14 @@ FindingAction FindingActionFromName(std::string_view name) {
   return found == std::end(kActions) ? FindingAction::kFlagged : static_cast<FindingAction>(found - kActions);
 }
 
-Finding MakeFinding(std::string code, Severity severity, double value, std::string message) {
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action,
+                    std::string clip) {
   Finding finding;
+  finding.clip = std::move(clip);
   finding.code = std::move(code);
   finding.severity = severity;
   finding.value = value;
   finding.message = std::move(message);
-  return finding;
-}
-
-Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action) {
-  Finding finding = MakeFinding(std::move(code), severity, value, std::move(message));
   finding.action = action;
   return finding;
 }

@@ -45,10 +45,9 @@ struct Finding {
   FindingAction action = FindingAction::kFlagged;
 };
 
-/// One about a whole file or clip, flagged.
-Finding MakeFinding(std::string code, Severity severity, double value, std::string message);
-/// The same with the action taken.
-Finding MakeFinding(std::string code, Severity severity, double value, std::string message, FindingAction action);
+/// One about a whole file or clip.
+Finding MakeFinding(std::string code, Severity severity, double value, std::string message,
+                    FindingAction action = FindingAction::kFlagged, std::string clip = "");
 
 /// A warning about frames [begin, end).
 Finding FindingOfFrames(std::string code, int begin, int end, double value, std::string message, FindingAction action);
