@@ -2,15 +2,11 @@
 #include <cmath>
 #include <map>
 
-#include "canon/audit/clip_errors.h"
-#include "canon/audit/clip_measures.h"
+#include "canon/audit/audit.h"
 #include "canon/audit/label_noise.h"
-#include "canon/audit/nearest_neighbour.h"
-#include "canon/audit/set_errors.h"
 #include "canon/options.h"
 #include "canon/review/review.h"
 #include "canon/splits/leaks.h"
-#include "canon/stage_parts.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -54,22 +50,16 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
     }
     if (!judged.suspect && !judged.fits_none) continue;
     const Clip& clip = dataset.clips[static_cast<std::size_t>(audit.rows[i])];
-    AuditFinding found;
-    found.finding.clip = clip.id();
-    found.finding.code = judged.suspect ? "label_suspect" : "fits_no_class";
-    found.finding.severity = judged.suspect ? Severity::kWarning : Severity::kInfo;
-    found.finding.frame_end = clip.motion->frame_count();
-    found.finding.value = judged.margin;
-    const std::string near = judged.suggested < 0 ? "" : dataset.labels[static_cast<std::size_t>(judged.suggested)];
-    if (judged.suspect) {
-      found.suggested = near;
-      found.finding.message =
-          "labelled '" + clip.label + "', resembles '" + near + "' (margin " + RoundedText(judged.margin, 2) + ")";
-    } else {
-      found.finding.message = "labelled '" + clip.label + "', resembles no class that other people perform";
-    }
-    found.finding.action = FindingAction::kFlagged;
-    findings.push_back(std::move(found));
+    const std::string near =
+        judged.suspect ? dataset.labels[static_cast<std::size_t>(judged.suggested)] : std::string();
+    const std::string resembles = judged.suspect ? "'" + near + "' (margin " + RoundedText(judged.margin, 2) + ")"
+                                                 : "no class that other people perform";
+    findings.push_back({MakeFinding(judged.suspect ? "label_suspect" : "fits_no_class",
+                                    judged.suspect ? Severity::kWarning : Severity::kInfo, judged.margin,
+                                    "labelled '" + clip.label + "', resembles " + resembles,
+                                    FindingAction::kFlagged, clip.id()),
+                        near, "", {}});
+    findings.back().finding.frame_end = clip.motion->frame_count();
   }
   std::stable_sort(findings.begin(), findings.end(),
                    [](const AuditFinding& a, const AuditFinding& b) { return a.finding.value < b.finding.value; });
@@ -109,12 +99,10 @@ void AddStatedLeaks(const Dataset& dataset, std::vector<AuditFinding>& findings)
     const bool found = std::any_of(findings.begin(), findings.end(),
                                    [&](const AuditFinding& finding) { return IsLeakOf(split, finding); });
     if (!stated || found) continue;
-    AuditFinding finding;
-    finding.finding = MakeFinding("split_leak", Severity::kWarning, 0.0,
-                                  "split '" + split.name + "' states '" + split.leak_check +
-                                      "'; its clips do not show it: assemble the dataset again",
-                                  FindingAction::kFlagged);
-    findings.push_back(std::move(finding));
+    findings.push_back({MakeFinding("split_leak", Severity::kWarning, 0.0,
+                                    "split '" + split.name + "' states '" + split.leak_check +
+                                        "'; its clips do not show it: assemble the dataset again"),
+                        "", "", {}});
   }
 }
 
@@ -124,12 +112,9 @@ nlohmann::json JsonOf(const AuditFinding& found) {
     parts.push_back({{"split", in.split}, {"part", in.part}, {"other", in.other}});
   }
   const Finding& finding = found.finding;
-  const char* severity = finding.severity == Severity::kError     ? "error"
-                         : finding.severity == Severity::kWarning ? "warning"
-                                                                  : "info";
   return {{"clip", finding.clip},
           {"code", finding.code},
-          {"severity", severity},
+          {"severity", Name(finding.severity)},
           {"frame_begin", finding.frame_begin},
           {"frame_end", finding.frame_end},
           {"value", finding.value},

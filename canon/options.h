@@ -222,7 +222,7 @@ struct LabelNoiseOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Which measures of a clip are reported as outliers of its class (canon/audit/clip_measures.h).
+/// Which measures of a clip are reported as outliers of its class (canon/audit/audit.h).
 struct OutlierOptions {
   bool enabled = true;
   double deviations = 8.0;  ///< robust standard deviations from the median

@@ -1,4 +1,4 @@
-#include "canon/audit/clip_measures.h"
+#include "canon/audit/audit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -121,17 +121,13 @@ std::vector<AuditFinding> FindOutliers(const Dataset& dataset, const std::vector
       const double median = kind.side < 0 ? own.median : std::max(0.0, std::exp(own.median) - kind.grain);
       const bool by_class = of_class.at(clip.label).size() >= kLeastClips;
       const std::string unit = *kind.unit == '\0' ? "" : std::string(" ") + kind.unit;
-      AuditFinding& found = of_clip[i];
-      found.finding.clip = clip.id();
-      found.finding.code = "outlier";
-      found.finding.severity = Severity::kInfo;
-      found.finding.frame_end = clip.motion->frame_count();
-      found.finding.value = away;
-      found.finding.message = std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit + ", of " +
-                              (by_class ? "'" + clip.label + "'" : "all classes") + " the median is " +
-                              RoundedText(median, 3) + unit + ": " + RoundedText(away, 1) +
-                              " robust standard deviations apart";
-      found.finding.action = FindingAction::kFlagged;
+      of_clip[i].finding = MakeFinding("outlier", Severity::kInfo, away,
+                                       std::string(kind.name) + " is " + RoundedText(measures[i][k], 3) + unit +
+                                           ", of " + (by_class ? "'" + clip.label + "'" : "all classes") +
+                                           " the median is " + RoundedText(median, 3) + unit + ": " +
+                                           RoundedText(away, 1) + " robust standard deviations apart",
+                                       FindingAction::kFlagged, clip.id());
+      of_clip[i].finding.frame_end = clip.motion->frame_count();
     }
   }
   for (AuditFinding& found : of_clip) {

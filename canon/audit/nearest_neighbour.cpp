@@ -1,4 +1,4 @@
-#include "canon/audit/nearest_neighbour.h"
+#include "canon/audit/audit.h"
 
 #include <limits>
 
@@ -23,12 +23,10 @@ Eigen::VectorXd Descriptor(const Motion& motion) {
 }  // namespace
 
 NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split) {
-  std::vector<Eigen::VectorXd> known;
-  for (const int row : split.train) known.push_back(Descriptor(*dataset.clips[row].motion));
-  for (const int row : split.validation) known.push_back(Descriptor(*dataset.clips[row].motion));
   std::vector<int> rows = split.train;
   rows.insert(rows.end(), split.validation.begin(), split.validation.end());
-
+  std::vector<Eigen::VectorXd> known;
+  for (const int row : rows) known.push_back(Descriptor(*dataset.clips[row].motion));
   NearestNeighbourResult result;
   for (const int row : split.test) {
     const Eigen::VectorXd query = Descriptor(*dataset.clips[row].motion);

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "canon/audit/clip_errors.h"
+#include "canon/audit/audit.h"
 #include "core/base/random.h"
 #include "core/quality/swaps.h"
 

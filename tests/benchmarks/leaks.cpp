@@ -18,7 +18,7 @@
 #include <map>
 #include <set>
 
-#include "canon/audit/clip_errors.h"
+#include "canon/audit/audit.h"
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"

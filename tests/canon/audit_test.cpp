@@ -10,10 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "canon/audit/clip_errors.h"
-#include "canon/audit/clip_measures.h"
+#include "canon/audit/audit.h"
 #include "canon/audit/label_noise.h"
-#include "canon/audit/set_errors.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/random.h"

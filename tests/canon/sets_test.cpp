@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "canon/audit/nearest_neighbour.h"
+#include "canon/audit/audit.h"
 #include "canon/options.h"
 #include "canon/splits/groups.h"
 #include "canon/splits/splits.h"
