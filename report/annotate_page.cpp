@@ -7,7 +7,6 @@
 #include "report/annotate_scripts.h"
 #include "report/html.h"
 #include "report/page_scripts.h"
-#include "report/pictures.h"
 #include "report/review_script.h"
 
 namespace mocurate {

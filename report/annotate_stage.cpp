@@ -11,6 +11,7 @@
 #include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "report/annotate_page.h"
+#include "report/stages.h"
 
 namespace mocurate {
 namespace {

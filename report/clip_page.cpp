@@ -4,16 +4,16 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/motion.h"
-#include "report/clip_series.h"
 #include "report/html.h"
 #include "report/page_scripts.h"
 #include "report/painters.h"
-#include "report/pictures.h"
 #include "report/run_facts.h"
+#include "report/stages.h"
 #include "report/svg.h"
 
 namespace mocurate {
@@ -96,10 +96,6 @@ std::vector<double> Finite(const std::vector<double>& values) {
   return finite;
 }
 
-std::string Figure(const std::string& caption, const std::string& inside) {
-  return inside.empty() ? "" : "<figure><figcaption>" + caption + "</figcaption>" + inside + "</figure>\n";
-}
-
 std::string FramesText(int begin, int end) {
   return end - begin <= 1 ? std::to_string(begin) : std::to_string(begin) + "–" + std::to_string(end - 1);
 }
@@ -119,11 +115,8 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
   lead += Counted(motion.frame_count(), "frame") + " at " + ShortText(motion.rate.hz()) + " Hz, fitted on skeleton " +
           EscapeHtml(motion.skeleton->name);
   html += Paragraph(lead, "lead") + "<dl class=\"tiles\">\n";
-  const auto tile = [&html](const std::string& name, const std::string& value, const std::string& note) {
-    html += "<div><dt>" + name + "</dt><dd>" + value + "<small>" + note + "</small></dd></div>\n";
-  };
   if (clip.fitted.fit_rms > 0.0) {
-    tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence used");
+    html += Tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence used");
   }
   if (series.raw_bones) {
     double raw = 0.0;
@@ -135,14 +128,16 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
       fitted += bone.fitted_spread;
       ++bones;
     }
-    tile("Bone length deviation", FixedText(fitted / std::max(1, bones), 1) + " mm",
-         FixedText(raw / std::max(1, bones), 1) + " mm before");
+    html += Tile("Bone length deviation", FixedText(fitted / std::max(1, bones), 1) + " mm",
+                 FixedText(raw / std::max(1, bones), 1) + " mm before");
   }
   if (!Finite(series.jerk_raw).empty()) {
-    tile("Jerk", FixedText(RmsOf(series.jerk_fitted), 0) + " m/s³", FixedText(RmsOf(series.jerk_raw), 0) + " before");
+    html += Tile("Jerk", FixedText(RmsOf(series.jerk_fitted), 0) + " m/s³",
+                 FixedText(RmsOf(series.jerk_raw), 0) + " before");
   }
   if (!series.sigma_mm.empty()) {
-    tile("Estimated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm", "of a joint position, per axis");
+    html += Tile("Estimated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm",
+                 "of a joint position, per axis");
   }
   return html + "</dl>\n";
 }
@@ -226,7 +221,7 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
         {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
     charts += Figure(EscapeHtml(name) + ", mm", chart.Svg());
   }
-  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}, {}, true};
+  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}};
   for (const BoneSeries* bone : sorted) {
     table.rows.push_back({EscapeHtml(skeleton.joints[bone->joint].name), FixedText(bone->raw_mean, 1),
                           FixedText(bone->raw_spread, 1), FixedText(bone->fitted.front(), 1),
@@ -288,9 +283,7 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                         "mm",
                         {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
   HtmlTable table{"Means over the frames",
-                  {"Joint", "Position, mm per axis", "Largest", "Rotation, degrees", "Observable axes, of 3"},
-                  {},
-                  true};
+                  {"Joint", "Position, mm per axis", "Largest", "Rotation, degrees", "Observable axes, of 3"}};
   const int frames = motion.frame_count();
   const int joints = motion.joint_count();
   for (int j = 0; j < joints; ++j) {
@@ -384,6 +377,22 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(players) +
          "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";
+}
+
+Expected<StageOutcome> ClipPageStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<ClipPageOptions>(request.options, "clip_page");
+  if (!options) return Forward(options);
+  ClipPageInput input;
+  input.options = *options;
+  auto drawn = ReadDrawnClip(request, &input.findings);
+  if (!drawn) return Forward(drawn);
+  input.clip = std::move(*drawn);
+  const auto page = MakeClipPage(input);
+  if (!page) return Forward(page);
+  if (Status written = WriteFile(request.output, *page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"bytes", page->size()}};
+  return outcome;
 }
 
 }  // namespace mocurate

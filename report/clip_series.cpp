@@ -1,4 +1,4 @@
-#include "report/clip_series.h"
+#include "report/clip_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "report/filmstrip.h"
 #include "report/painters.h"
-#include "report/scene.h"
 
 namespace mocurate {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/drawing_image.h"
+#include "report/painters.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,6 @@
 #include "report/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -63,6 +64,21 @@ std::string JsonForScript(const nlohmann::json& json) {
   return safe;
 }
 
+std::string Base64(const std::string& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t word = 0;
+    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? static_cast<unsigned char>(bytes[i + b]) : 0U);
+    for (std::size_t digit = 0; digit < 4; ++digit) {
+      text += digit <= left ? kDigits[word >> (18 - 6 * digit) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
 std::string FixedText(double value, int digits) {
   if (!std::isfinite(value)) return "–";
   char buffer[400];
@@ -118,6 +134,15 @@ std::string PageHead(const std::string& title, const std::string& styles) {
 std::string Paragraph(const std::string& html, const char* css_class) {
   const std::string attribute = *css_class == '\0' ? "" : std::string(" class=\"") + css_class + "\"";
   return "<p" + attribute + ">" + html + "</p>\n";
+}
+
+std::string Figure(const std::string& caption, const std::string& inside) {
+  return inside.empty() ? "" : "<figure><figcaption>" + caption + "</figcaption>" + inside + "</figure>\n";
+}
+
+std::string Tile(const std::string& name, const std::string& value, const std::string& note) {
+  return "<div><dt>" + name + "</dt><dd>" + value + (note.empty() ? "" : "<small>" + note + "</small>") +
+         "</dd></div>\n";
 }
 
 }  // namespace mocurate

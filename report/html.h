@@ -13,6 +13,8 @@ std::string EscapeHtml(std::string_view text);
 /// JSON safe inside <script type="application/json">: it contains no "</" and no "<!--".
 std::string JsonForScript(const nlohmann::json& json);
 
+std::string Base64(const std::string& bytes);
+
 /// Fixed digits with a point in any locale; an en dash for non-finite values.
 std::string FixedText(double value, int digits);
 /// About three significant digits, as HTML: "0.012", "12.3", "1234", "&lt; 0.001".
@@ -26,7 +28,7 @@ std::string PercentText(double share);
 struct HtmlTable {
   std::string caption;
   std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows{};
   bool numeric = true;
 
   std::string Html() const;
@@ -36,5 +38,11 @@ struct HtmlTable {
 std::string PageHead(const std::string& title, const std::string& styles);
 
 std::string Paragraph(const std::string& html, const char* css_class = "");
+
+/// Empty where nothing is inside. `caption` is HTML.
+std::string Figure(const std::string& caption, const std::string& inside);
+
+/// One of the numbers at the head of a page; `note` may be empty.
+std::string Tile(const std::string& name, const std::string& value, const std::string& note);
 
 }  // namespace mocurate

@@ -42,7 +42,6 @@ struct SeenFigure {
     double depth = 0.0;  ///< the farther from the eye, the less
     std::vector<Vector2d> outline;
     std::vector<Vector2d> line;
-    double width = 0.0;  ///< metres; 0: a thin line
     Colour colour{};
   };
   std::vector<Part> parts;  ///< the farthest first
@@ -83,7 +82,7 @@ void AddBoneLines(const Motion& motion, int frame, const Eye& eye, SeenFigure& f
   for (int j = 1; j < motion.joint_count(); ++j) {
     const Vector3d a = eye.See(motion.joints.at(frame, motion.skeleton->joints[j].parent), root);
     const Vector3d b = eye.See(motion.joints.at(frame, j), root);
-    figure.parts.push_back({0.5 * (a.z() + b.z()), {}, {a.head<2>(), b.head<2>()}, 0.0, ColourOfSide(sides[j])});
+    figure.parts.push_back({0.5 * (a.z() + b.z()), {}, {a.head<2>(), b.head<2>()}, ColourOfSide(sides[j])});
   }
 }
 
@@ -98,7 +97,6 @@ void AddCapsules(const Clip& clip, int frame, const Eye& eye, SeenFigure& figure
     figure.parts.push_back({depth,
                             HullOfDiscs(a.head<2>(), b.head<2>(), capsule.radius),
                             {},
-                            0.0,
                             Shaded(ColourOfSide(body.sides[c]), 1.0 + 0.5 * std::clamp(depth, -0.4, 0.4))});
   }
 }
@@ -117,7 +115,6 @@ void AddSkin(const Skin& skin, const Motion& motion, int frame, const Eye& eye, 
     figure.parts.push_back({(corners[0].z() + corners[1].z() + corners[2].z()) / 3.0,
                             {corners[0].head<2>(), corners[1].head<2>(), corners[2].head<2>()},
                             {},
-                            0.0,
                             Shaded({176, 190, 210}, lit)});
   }
 }
@@ -194,13 +191,10 @@ std::vector<Vector2d> PathOf(const Motion& motion, const Eye& eye) {
   return path;
 }
 
-double SpanOf(const std::vector<Vector2d>& path) {
-  Vector2d low = path.front(), high = path.front();
-  for (const Vector2d& point : path) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  return (high - low).maxCoeff();
+Eigen::AlignedBox2d BoxOf(const std::vector<Vector2d>& path) {
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& point : path) box.extend(point);
+  return box;
 }
 
 class RowsDrawing {
@@ -221,7 +215,7 @@ class RowsDrawing {
       }
       tallest = std::max(tallest, seen.high - seen.low);
       paths_.push_back(PathOf(motion, eye));
-      path_span_ = std::max(path_span_, SpanOf(paths_.back()));
+      path_span_ = std::max(path_span_, BoxOf(paths_.back()).sizes().maxCoeff());
       seen_.push_back(std::move(seen));
     }
     scale_ = kFigure / tallest;
@@ -300,12 +294,7 @@ class RowsDrawing {
         LineShape{{{left, top}, {left + kPath, top}, {left + kPath, top + kPath}, {left, top + kPath}, {left, top}},
                   0.6,
                   kFaintColour});
-    Vector2d low = path.front(), high = path.front();
-    for (const Vector2d& point : path) {
-      low = low.cwiseMin(point);
-      high = high.cwiseMax(point);
-    }
-    const Vector2d middle = 0.5 * (low + high);
+    const Vector2d middle = BoxOf(path).center();
     std::vector<Vector2d> pixels;
     for (const Vector2d& point : path) {
       pixels.emplace_back(left + 0.5 * kPath + scale * (point.x() - middle.x()),
@@ -331,20 +320,15 @@ Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOp
   return RowsDrawing(rows, options).Draw();
 }
 
-MotionGrid::MotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options)
-    : rows_(rows), options_(options) {
-  for (const MotionRow& row : rows) seconds_ = std::max(seconds_, row.clip.motion->duration());
-}
-
-Drawing MotionGrid::At(double seconds) const {
+Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double seconds) {
   constexpr double kCell = 170.0, kText = 34.0;
-  const auto columns = static_cast<std::size_t>(std::min(6.0, std::ceil(std::sqrt(double(rows_.size()) * 1.6))));
+  const auto columns = static_cast<std::size_t>(std::min(6.0, std::ceil(std::sqrt(double(rows.size()) * 1.6))));
   Drawing drawing;
-  drawing.title = options_.title;
+  drawing.title = options.title;
   drawing.width = kCell * static_cast<double>(columns);
-  drawing.height = (kCell + kText) * std::ceil(double(rows_.size()) / static_cast<double>(columns));
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
-    const MotionRow& row = rows_[r];
+  drawing.height = (kCell + kText) * std::ceil(double(rows.size()) / static_cast<double>(columns));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const MotionRow& row = rows[r];
     const Motion& motion = *row.clip.motion;
     const Eye eye(motion);
     const int frame =
@@ -359,7 +343,7 @@ Drawing MotionGrid::At(double seconds) const {
     const double left = kCell * static_cast<double>(r % columns);
     const double top = (kCell + kText) * std::floor(double(r) / static_cast<double>(columns));
     const double scale = (kCell - 24.0) / std::max(1.9, high - low + 0.2);
-    const SeenFigure figure = FigureOf(row, frame, eye, options_.figure);
+    const SeenFigure figure = FigureOf(row, frame, eye, options.figure);
     drawing.shapes.emplace_back(
         LineShape{{{left + 12.0, top + kCell - 6.0}, {left + kCell - 12.0, top + kCell - 6.0}}, 0.8, kFaintColour});
     Place(figure, left + 0.5 * kCell, top + kCell - 6.0, low, scale, drawing.shapes);

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "core/pipeline/stage.h"
 #include "core/skin/skin.h"
 #include "core/store/store.h"
 #include "report/drawing.h"
@@ -34,21 +34,17 @@ struct NamedMotions {
 Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions>& sets,
                                                   const MotionPictureOptions& options);
 
+/// The rows of the stages `draw` and `draw_video` from their inputs. Errors of reading them, and of ChooseMotionRows.
+Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const MotionPictureOptions& options);
+
+/// Names of the sets without a row.
+std::vector<std::string> SourcesWithout(const StageRequest& request, const std::vector<MotionRow>& rows);
+
 /// Rows of equally spaced frames at one scale, each figure below its own root: name and label to the left, seconds
 /// below, brackets over the segments of long motions (transitions dashed), the root's path from above to the right.
 Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
 
 /// All rows at one moment, side by side; a motion that has ended stays at its last frame.
-class MotionGrid {
- public:
-  MotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
-  double seconds() const { return seconds_; }
-  Drawing At(double seconds) const;
-
- private:
-  const std::vector<MotionRow>& rows_;
-  const MotionPictureOptions& options_;
-  double seconds_ = 0.0;
-};
+Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double seconds);
 
 }  // namespace mocurate

@@ -3,8 +3,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "report/painters.h"
-#include "report/pictures.h"
-#include "report/scene.h"
 
 namespace mocurate {
 namespace {
@@ -54,10 +52,6 @@ Camera CameraOf(const Camera& camera, const cv::Rect& crop, double factor) {
   part.cx = (camera.cx - crop.x + 0.5) * factor - 0.5;
   part.cy = (camera.cy - crop.y + 0.5) * factor - 0.5;
   return part;
-}
-
-cv::Point Sixteenths(const Vector2d& at) {
-  return {static_cast<int>(std::lround(16.0 * at.x())), static_cast<int>(std::lround(16.0 * at.y()))};
 }
 
 void DrawOutlines(const DepthRendering& rendering, int bodies, cv::Mat& image) {
@@ -277,25 +271,11 @@ SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence,
   return nearest;
 }
 
-namespace {
-
-Expected<cv::Mat> Overlay(const Clip& fitted, const Evidence& evidence, int view, int frame) {
-  const auto painter = ViewPainter::Make(fitted, evidence, view, {frame}, kWantedHeight, false);
-  return painter ? painter->Draw(frame) : Forward(painter);
-}
-
-}  // namespace
-
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame) {
-  const auto image = Overlay(fitted, evidence, view, frame);
+  const auto painter = ViewPainter::Make(fitted, evidence, view, {frame}, kWantedHeight, false);
+  const auto image = painter ? painter->Draw(frame) : Forward(painter);
   if (!image) return Forward(image);
   return EncodePng(*image);
-}
-
-Status WriteBodyOverlay(const Clip& fitted, const Evidence& evidence, int view, int frame,
-                        const std::filesystem::path& png) {
-  const auto image = Overlay(fitted, evidence, view, frame);
-  return image ? WritePng(*image, png) : Forward(image);
 }
 
 }  // namespace mocurate

@@ -1,4 +1,4 @@
-#include "report/packed_frames.h"
+#include "report/annotate_page.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,13 +5,41 @@
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "report/drawing.h"
 #include "report/filmstrip.h"
 #include "report/posed_body.h"
 
 namespace mocurate {
 
-/// Draws the frames of a clip one after the other with a constant crop; only for files that draw with OpenCV. The clip
-/// and the evidence must outlive the painter.
+/// Pictures drawn with OpenCV: blocks that they are made of, painters of a clip's frames, and pictures of fits as PNG.
+/// Colours are blue, green, red. Bodies are drawn with the shape fitted to point clouds, else as capsules with the
+/// skeleton's radii, scaled by the person's bone lengths.
+
+/// A drawing on white, 8-bit, `scale` pixels a unit.
+cv::Mat ToImage(const Drawing& drawing, double scale);
+
+/// A place in OpenCV's coordinates of four fractional bits.
+cv::Point Sixteenths(const Vector2d& at);
+
+/// A distant camera that looks at `centre` from the viewpoint, `pixels_per_metre` at the centre.
+Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height);
+
+/// A rendered body with soft light: its image, and its depth (height,width) in metres along z, 0 for nothing.
+struct ShadedBody {
+  cv::Mat image;  ///< CV_8UC3
+  std::vector<float> depth;
+};
+/// Left limbs blue, right ones orange, the trunk grey; over a shadow on the floor at `floor_y`.
+ShadedBody ShadeBody(const PosedBody& body, const Camera& camera, double floor_y);
+
+/// CV_16UC1; a frame without an image (an empty name) is all 0. Error kMalformed, kNotFound, kInconsistent (other size
+/// than the camera).
+Expected<cv::Mat> ReadDepth(const DepthView& view, int frame);
+
+Expected<std::string> EncodePng(const cv::Mat& image);
+
+/// Error kInconsistent for a missing motion or frame.
+Status CheckFrame(const Clip& fitted, int frame);
 
 /// The views of an evidence that a body can be drawn over: depth views first, then views of keypoints.
 int ViewCount(const Evidence& evidence);
@@ -19,7 +47,8 @@ const Camera& ViewCamera(const Evidence& evidence, int view);
 /// At most `most` of them, evenly chosen.
 std::vector<int> ChosenViews(const Evidence& evidence, int most);
 
-/// The image of one view, cut to the person over `frames`, with the outline and bones of the fitted body over it: depth
+/// Painters draw the frames of a clip one after the other with a constant crop. The clip and the evidence must outlive
+/// them. This one: the image of one view, cut to the person over `frames`, with the outline and bones of the fitted body over it: depth
 /// in false colours, keypoints as dots (those of the person bright, other people's grey).
 class ViewPainter {
  public:
@@ -73,5 +102,16 @@ class FrontPainter {
   int width_ = 0;
   int height_ = 0;
 };
+
+/// Stills of the fitted body with the tracked points (dark) in front, time below; a PNG. Errors of this and the next two:
+/// kInconsistent when `fitted` has no motion or a frame or view does not exist, kNotFound and kMalformed for depth images.
+Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence);
+
+/// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
+/// outline and bones of the fitted body over it.
+Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame);
+
+/// The fitted body inside the point cloud of all depth views of a frame: front and side.
+Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame);
 
 }  // namespace mocurate

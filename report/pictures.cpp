@@ -1,13 +1,14 @@
-#include "report/pictures.h"
+#include "report/painters.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "core/base/file.h"
 #include "report/html.h"
-#include "report/painters.h"
-#include "report/scene.h"
+#include "report/options.h"
+#include "report/stages.h"
 
 namespace mocurate {
 namespace {
@@ -151,19 +152,19 @@ cv::Mat FrontPainter::Draw(int frame) const {
   return Smaller(image);
 }
 
-Status WriteClipPicture(const Clip& fitted, const Evidence& evidence, const std::filesystem::path& png) {
-  if (Status ok = CheckFrame(fitted, 0); !ok) return ok;
+Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence) {
+  if (Status ok = CheckFrame(fitted, 0); !ok) return Forward(ok);
   const std::vector<int> chosen = StillFrames(fitted.motion->frame_count());
   const FrontPainter painter(fitted, evidence, chosen, 400);
   std::vector<cv::Mat> stills;
   for (const int frame : chosen) stills.push_back(painter.Draw(frame));
   cv::Mat strip;
   cv::hconcat(stills, strip);
-  return WritePng(strip, png);
+  return EncodePng(strip);
 }
 
-Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame, const std::filesystem::path& png) {
-  if (Status ok = CheckFrame(fitted, frame); !ok) return ok;
+Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame) {
+  if (Status ok = CheckFrame(fitted, frame); !ok) return Forward(ok);
   if (evidence.depth_views.empty())
     return Fail(ErrorCode::kInconsistent, "the evidence has no depth views", fitted.id());
   const Motion& motion = *fitted.motion;
@@ -184,22 +185,23 @@ Status WriteCloudPicture(const Clip& fitted, const Evidence& evidence, int frame
   }
   cv::Mat both;
   cv::hconcat(panels, both);
-  return WritePng(both, png);
+  return EncodePng(both);
 }
 
-std::string Base64(const std::string& bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t b = 0; b < 3; ++b) word = word << 8 | (b < left ? static_cast<unsigned char>(bytes[i + b]) : 0U);
-    for (std::size_t digit = 0; digit < 4; ++digit) {
-      text += digit <= left ? kDigits[word >> (18 - 6 * digit) & 63U] : '=';
-    }
-  }
-  return text;
+Expected<StageOutcome> PictureStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<PictureOptions>(request.options, "picture");
+  if (!options) return Forward(options);
+  const auto drawn = ReadDrawnClip(request);
+  if (!drawn) return Forward(drawn);
+  const Clip& clip = drawn->fitted;
+  const Evidence& evidence = drawn->evidence.evidence;
+  const int middle = clip.motion->frame_count() / 2;
+  const auto png = options->kind == PictureKind::kClip      ? ClipPicturePng(clip, evidence)
+                   : options->kind == PictureKind::kOverlay ? BodyOverlayPng(clip, evidence, 0, middle)
+                                                            : CloudPicturePng(clip, evidence, middle);
+  if (!png) return Forward(png);
+  if (Status written = WriteFile(request.output, *png); !written) return Forward(written);
+  return StageOutcome();
 }
 
 }  // namespace mocurate

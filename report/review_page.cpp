@@ -1,5 +1,3 @@
-#include "report/review_page.h"
-
 #include <algorithm>
 #include <map>
 
@@ -11,12 +9,30 @@
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
+#include "report/options.h"
 #include "report/page_scripts.h"
 #include "report/review_script.h"
 #include "report/run_facts.h"
+#include "report/stages.h"
 
 namespace mocurate {
 namespace {
+
+/// One finding with its clips: the first, and the other of a pair.
+struct ReviewCard {
+  nlohmann::json finding;  ///< of audit.json
+  std::vector<Clip> clips;
+};
+
+/// Input of the review page.
+struct ReviewPageInput {
+  std::string dataset;  ///< its file
+  std::vector<std::string> labels;
+  std::vector<ReviewCard> cards;
+  std::vector<std::string> about_set;  ///< messages of findings about the set as a whole
+  std::size_t not_shown = 0;           ///< findings beyond those
+  nlohmann::json decisions;            ///< earlier decisions: a list of objects as in the page's saved file
+};
 
 constexpr int kNumbersOfPage = 2000000;   ///< positions in all players together, about five bytes each
 constexpr int kNumbersOfPlayer = 100000;  ///< and in one
@@ -78,8 +94,8 @@ std::string CardHtml(const ReviewCard& card, std::size_t index, const ReviewPage
   return html + "</section>\n";
 }
 
-}  // namespace
-
+/// One self-contained page: a card per finding with filmstrips and players, keys to keep, drop, relabel or cut a clip,
+/// and the decisions as the YAML that canon.review reads (canon/review/review.h).
 std::string MakeReviewPage(const ReviewPageInput& input) {
   std::size_t players = 0;
   for (const ReviewCard& card : input.cards) players += card.clips.size();
@@ -132,11 +148,12 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
          kReviewScript + "</script>\n</body>\n</html>\n";
 }
 
+}  // namespace
+
 Expected<StageOutcome> ReviewStage(const StageRequest& request) {
   const auto options = OptionsFromJson<ReviewOptions>(request.options, "review");
   if (!options) return Forward(options);
   ReviewPageInput input;
-  input.options = *options;
   input.decisions = nlohmann::json::array();
   nlohmann::json audit;
   std::string audit_name;

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "report/html.h"
+
 namespace mocurate {
 
 const nlohmann::json& Field(const nlohmann::json& json, const char* key) {
@@ -40,10 +42,15 @@ std::vector<double> NumbersOf(const nlohmann::json& json) {
   return numbers;
 }
 
-std::vector<double> OverClips(const nlohmann::json& run, const char* group, const char* part, const char* key) {
+std::string NumberCell(const nlohmann::json& json, const char* key, int digits) {
+  const auto value = NumberOf(json, key);
+  return value ? FixedText(*value, digits) : "–";
+}
+
+std::vector<double> OverClips(const nlohmann::json& run, const char* part, const char* key) {
   std::vector<double> values;
   for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
-    const nlohmann::json& figures = Field(clip, group);
+    const nlohmann::json& figures = Field(clip, "fitting");
     if (const auto value = NumberOf(*part == '\0' ? figures : Field(figures, part), key)) values.push_back(*value);
   }
   return values;

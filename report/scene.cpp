@@ -1,4 +1,4 @@
-#include "report/scene.h"
+#include "report/painters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +20,6 @@ cv::Vec3d ColourOf(int side) {
   return side < 0 ? cv::Vec3d(74, 136, 222) : cv::Vec3d(176, 164, 156);
 }
 
-cv::Point2i Pixel(const Vector2d& at, int bits) {
-  const double unit = 1 << bits;
-  return {static_cast<int>(std::lround(at.x() * unit)), static_cast<int>(std::lround(at.y() * unit))};
-}
-
 void DrawShadow(const PosedBody& body, const Camera& camera, double floor_y, cv::Mat& image) {
   for (const Capsule& capsule : body.capsules.capsules) {
     Vector3d ends[] = {body.points[capsule.parent], body.points[capsule.joint]};
@@ -33,11 +28,15 @@ void DrawShadow(const PosedBody& body, const Camera& camera, double floor_y, cv:
     const auto to = camera.ProjectWorld(ends[1]);
     if (!from || !to) continue;
     const int thickness = std::max(2, static_cast<int>(1.2 * capsule.radius * camera.fx / kDistance));
-    cv::line(image, Pixel(*from, 4), Pixel(*to, 4), kShadow, thickness, cv::LINE_AA, 4);
+    cv::line(image, Sixteenths(*from), Sixteenths(*to), kShadow, thickness, cv::LINE_AA, 4);
   }
 }
 
 }  // namespace
+
+cv::Point Sixteenths(const Vector2d& at) {
+  return {static_cast<int>(std::lround(16.0 * at.x())), static_cast<int>(std::lround(16.0 * at.y()))};
+}
 
 Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height) {
   Camera camera;
@@ -105,11 +104,6 @@ Expected<std::string> EncodePng(const cv::Mat& image) {
     // Reported below.
   }
   return Fail(ErrorCode::kInternal, "a picture cannot be encoded as PNG");
-}
-
-Status WritePng(const cv::Mat& image, const std::filesystem::path& png) {
-  const auto bytes = EncodePng(image);
-  return bytes ? WriteFile(png, *bytes) : Forward(bytes);
 }
 
 Status CheckFrame(const Clip& fitted, int frame) {

@@ -5,7 +5,6 @@
 #include "report/html.h"
 #include "report/page.h"
 #include "report/painters.h"
-#include "report/pictures.h"
 #include "report/run_facts.h"
 #include "report/svg.h"
 
@@ -44,10 +43,10 @@ std::string HighCell(const std::vector<double>& values) {
 }
 
 std::string ResidualTable(const nlohmann::json& run) {
-  const std::vector<double> rms = OverClips(run, "fitting", "", "residual_rms_mm");
-  const std::vector<double> p95 = OverClips(run, "fitting", "", "residual_p95_mm");
-  const std::vector<double> iterations = OverClips(run, "fitting", "", "iterations");
-  HtmlTable table{"Fit to the evidence, over clips", {"", "Median", "95th percentile", "Worst"}, {}, true};
+  const std::vector<double> rms = OverClips(run, "", "residual_rms_mm");
+  const std::vector<double> p95 = OverClips(run, "", "residual_p95_mm");
+  const std::vector<double> iterations = OverClips(run, "", "iterations");
+  HtmlTable table{"Fit to the evidence, over clips", {"", "Median", "95th percentile", "Worst"}};
   const auto add = [&table](const char* name, const std::vector<double>& values) {
     if (!values.empty())
       table.rows.push_back({name, MedianCell(values), HighCell(values), ShortText(Quantile(values, 1.0))});
@@ -103,34 +102,31 @@ std::string CoverageChart(const nlohmann::json& error) {
     chart.curves[1].points.emplace_back(sigmas, 100.0 * share);
   }
   if (sigmas == 0.0) return "";
-  return "<div class=\"charts wide\"><figure><figcaption>Errors within a number of estimated standard deviations, "
-         "%</figcaption>" +
-         chart.Svg() + "</figure></div>\n";
+  return "<div class=\"charts wide\">" +
+         Figure("Errors within a number of estimated standard deviations, %", chart.Svg()) + "</div>\n";
 }
 
 }  // namespace
 
 std::string QualityHtml(const ReportInput& input) {
   HtmlTable table{"Medians over clips, before (evidence) and after (fitted motion)",
-                  {"", "Before", "After", "Before, 95th percentile", "After, 95th percentile"},
-                  {},
-                  true};
+                  {"", "Before", "After", "Before, 95th percentile", "After, 95th percentile"}};
   std::string charts;
   for (const Measure& measure : kMeasures) {
-    const auto before = Scaled(OverClips(input.run, "fitting", "before", measure.key), measure.factor);
-    const auto after = Scaled(OverClips(input.run, "fitting", "after", measure.key), measure.factor);
+    const auto before = Scaled(OverClips(input.run, "before", measure.key), measure.factor);
+    const auto after = Scaled(OverClips(input.run, "after", measure.key), measure.factor);
     if (before.empty() && after.empty()) continue;
     const std::string name = std::string(measure.name) + ", " + measure.unit;
     table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
     const TwoSidedHistogram chart{name + ": clips before (above) and after (below)", measure.unit, before, after};
-    charts += "<figure><figcaption>" + name + "</figcaption>" + chart.Svg() + "</figure>\n";
+    charts += Figure(name, chart.Svg());
   }
-  const std::vector<double> residuals = OverClips(input.run, "fitting", "", "residual_rms_mm");
+  const std::vector<double> residuals = OverClips(input.run, "", "residual_rms_mm");
   if (residuals.size() >= kFewClips) {
     const TwoSidedHistogram chart{"Residual RMS per clip, mm", "mm", {}, residuals};
-    charts += "<figure><figcaption>Residual RMS, mm</figcaption>" + chart.Svg() + "</figure>\n";
+    charts += Figure("Residual RMS, mm", chart.Svg());
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())
@@ -156,9 +152,7 @@ std::string TruthHtml(const ReportInput& input) {
   };
   HtmlTable table{
       "Mean over " + CountText(CountOf(error, "frames")) + " frames, clips: " + CountText(CountOf(error, "clips")),
-      {"", "Evidence (before)", "Fitted (after)"},
-      {},
-      true};
+      {"", "Evidence (before)", "Fitted (after)"}};
   table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
   table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
   table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});
@@ -214,7 +208,7 @@ nlohmann::json PlayersJson(const ReportInput& input) {
 std::string PersonsHtml(const ReportInput& input) {
   const nlohmann::json& persons = Field(input.run, "persons");
   if (!persons.is_object() || persons.empty()) return Paragraph("No bone lengths were estimated in this run.");
-  HtmlTable table{"Length of the bone that ends at the joint, mm; one set per body", {"Joint"}, {}, true};
+  HtmlTable table{"Length of the bone that ends at the joint, mm; one set per body", {"Joint"}};
   std::vector<std::string> bones;
   std::vector<const nlohmann::json*> shown;
   for (const auto& [name, person] : persons.items()) {

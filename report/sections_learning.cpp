@@ -16,7 +16,7 @@ constexpr int kMostPoints = 240;
 /// A table {"title", "rows": [cells, the heading first], "notes"} of texts; empty where it is null.
 std::string HtmlOfTexts(const nlohmann::json& texts) {
   if (!texts.is_object()) return "";
-  HtmlTable table{EscapeHtml(TextOf(texts, "title")), {}, {}, true};
+  HtmlTable table{EscapeHtml(TextOf(texts, "title")), {}};
   for (const nlohmann::json& row : Elements(Field(texts, "rows"))) {
     std::vector<std::string> cells;
     for (const nlohmann::json& cell : row) cells.push_back(EscapeHtml(cell.get<std::string>()));
@@ -152,7 +152,43 @@ std::string UntrainedHtml(const nlohmann::json& run) {
   return table.rows.empty() ? "" : table.Html();
 }
 
+/// The first clip of a class; null where it has none.
+const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
+  const auto found = std::find_if(set.clips.begin(), set.clips.end(), [&](const Clip& clip) {
+    return clip.label == label && clip.motion && clip.motion->frame_count() > 0;
+  });
+  return found == set.clips.end() ? nullptr : &*found;
+}
+
+std::string Strip(const std::string& title, const Clip* clip) {
+  return Figure(EscapeHtml(title), clip == nullptr ? "none" : FilmstripSvg(title, *clip->motion));
+}
+
 }  // namespace
+
+std::string GeneratedHtml(const ReportInput& input) {
+  std::string failed;
+  for (const auto& [network, reason] : Field(input.run, "ungenerated").items()) {
+    failed +=
+        Paragraph(EscapeHtml(network) + " generated no motions: " + EscapeHtml(reason.get<std::string>()), "soft");
+  }
+  if (input.generated.empty() || !input.dataset) {
+    return failed.empty() ? Paragraph("No network of this run generated motions.") : failed;
+  }
+  std::string html = failed + Paragraph(
+                                  "One motion of each class by each network, its first seed, beside the first real "
+                                  "one. They are not selected.");
+  bool open = true;
+  for (const std::string& label : input.dataset->labels) {
+    html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +
+            Strip("Real", FirstOfLabel(*input.dataset, label));
+    for (const auto& [network, set] : input.generated) html += Strip(network, FirstOfLabel(set, label));
+    html += "</details>\n";
+    open = false;
+  }
+  return html;
+}
+
 
 std::string TableHtml(const ReportInput& input) {
   const std::string table = HtmlOfTexts(Field(input.run, "table"));
@@ -169,8 +205,7 @@ std::string TableHtml(const ReportInput& input) {
 
 std::string RecognisersHtml(const ReportInput& input) {
   const nlohmann::json& metrics = Field(input.run, "metrics");
-  HtmlTable table{
-      "Share of correctly recognised test clips", {"Recogniser", "Mean", "By seed", "Test clips"}, {}, true};
+  HtmlTable table{"Share of correctly recognised test clips", {"Recogniser", "Mean", "By seed", "Test clips"}};
   const nlohmann::json& recognisers = Field(metrics, "recognisers");
   for (const auto& [name, scored] : recognisers.items()) {
     const auto mean = NumberOf(scored, "mean");
@@ -219,31 +254,27 @@ std::string CurvesHtml(const ReportInput& input) {
 }
 
 std::string StopsHtml(const ReportInput& input) {
-  HtmlTable generators{
-      "Generators", {"Item", "Iterations", "Batch", "Training clips", "Passes over the clips", "Last loss"}, {}, true};
+  HtmlTable generators{"Generators",
+                       {"Item", "Iterations", "Batch", "Training clips", "Passes over the clips", "Last loss"}};
   HtmlTable recognisers{
       "Recognisers",
       {"Item", "Epochs", "Batch", "Chosen epoch", "Validation accuracy", "Last training accuracy", "Chosen by"},
       {},
       false};
-  const auto number = [](const nlohmann::json& json, const char* key, int digits) {
-    const auto value = NumberOf(json, key);
-    return value ? FixedText(*value, digits) : std::string("–");
-  };
   for (const auto& [item, training] : Trainings(input.run)) {
     if (IsRecogniser(*training)) {
-      recognisers.rows.push_back({EscapeHtml(item), number(*training, "epochs", 0), number(*training, "batch", 0),
-                                  number(*training, "chosen_epoch", 0), number(*training, "validation_accuracy", 3),
-                                  number(*training, "train_accuracy", 3),
+      recognisers.rows.push_back({EscapeHtml(item), NumberCell(*training, "epochs", 0), NumberCell(*training, "batch", 0),
+                                  NumberCell(*training, "chosen_epoch", 0), NumberCell(*training, "validation_accuracy", 3),
+                                  NumberCell(*training, "train_accuracy", 3),
                                   EscapeHtml(TextOf(*training, "validation_rule"))});
       continue;
     }
     const auto clips = NumberOf(*training, "clips");
     const double passes = NumberOf(*training, "iterations").value_or(0.0) * NumberOf(*training, "batch").value_or(0.0);
     generators.rows.push_back({EscapeHtml(item), CountText(CountOf(*training, "iterations")),
-                               number(*training, "batch", 0), number(*training, "clips", 0),
+                               NumberCell(*training, "batch", 0), NumberCell(*training, "clips", 0),
                                clips && *clips > 0.0 ? FixedText(passes / *clips, 1) : "–",
-                               number(*training, "loss", 4)});
+                               NumberCell(*training, "loss", 4)});
   }
   const std::string failed = UntrainedHtml(input.run);
   if (generators.rows.empty() && recognisers.rows.empty())

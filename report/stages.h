@@ -28,6 +28,22 @@ Expected<StageOutcome> PlotStage(const StageRequest& request);
 /// Sets of motions as for MotionPictureStage -> an H.264 video, all rows side by side (report_video).
 Expected<StageOutcome> MotionVideoStage(const StageRequest& request);
 
+/// Inputs: roles "dataset", "audit" (its audit.json) and, after earlier decisions, "decisions" (a JSON list) -> the
+/// page. Clips are read one at a time. Error kMalformed for an audit.json of another program; findings about unknown
+/// clips are skipped and counted.
+Expected<StageOutcome> ReviewStage(const StageRequest& request);
+
+/// Inputs of role "motions": datasets or MotionSets, each named by its source -> the page. The summary has the key
+/// ("key"), what was shown and what may reveal sources ("notes"). Motions are shown at the lowest rate of all, for at
+/// most options.seconds from their begin. Errors: those of DrawSurvey and of reading.
+Expected<StageOutcome> SurveyStage(const StageRequest& request);
+
+/// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)
+/// -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
+/// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,
+/// kInconsistent when no clip is to be shown, or when no span is of a recording of the dataset; of ParseSpanTable.
+Expected<StageOutcome> AnnotateStage(const StageRequest& request);
+
 /// What the runner must know of each stage; versions are in options.cpp.
 StageDeclaration MotionPictureDeclaration();
 StageDeclaration MotionVideoDeclaration();

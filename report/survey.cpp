@@ -132,11 +132,6 @@ bool IsExchanged(const SurveyOptions& options, const std::string& pair, std::siz
   return (side.Below(2) + n) % 2 == 1;
 }
 
-std::string QuestionId(std::size_t number) {
-  const std::string digits = std::to_string(number);
-  return "q" + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
-}
-
 }  // namespace
 
 std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kPreference ? "preference" : "real_or_fake"; }
@@ -174,7 +169,8 @@ Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<S
     for (const std::size_t i : order) {
       const SurveyCell& cell = cells[i];
       if (cell.questions <= round || key.questions.size() == wanted) continue;
-      SurveyQuestion question{QuestionId(key.questions.size() + 1), cell.label, {}};
+      const int number = static_cast<int>(key.questions.size()) + 1;
+      SurveyQuestion question{"q" + ZeroPadded(number, 3), cell.label, {}};
       for (std::size_t s = 0; s < cell.sources.size(); ++s) {
         question.shown.push_back({sources[cell.sources[s]].name, cell.motions[s][round], ""});
       }

@@ -1,17 +1,27 @@
-#include "report/survey_page.h"
-
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
 
+#include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/fingerprint.h"
+#include "core/motion/operations.h"
+#include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/page_scripts.h"
 #include "report/review_script.h"
+#include "report/stages.h"
+#include "report/survey.h"
 #include "report/survey_script.h"
 
 namespace mocurate {
 namespace {
+
+/// Data of the players (PlayerData) of each question, from left to right.
+using ShownMotions = std::vector<std::vector<nlohmann::json>>;
 
 std::string AnswerButton(const std::string& answer, const std::string& text, int digit) {
   return "<button type=\"button\" class=\"answer\" data-answer=\"" + answer + "\" aria-pressed=\"false\">" + text +
@@ -22,16 +32,16 @@ std::string ShownHtml(const std::string& name, const std::string& id, const std:
   return "<div class=\"shown\">\n" + PlayerHtml(name, id, false) + button + "</div>\n";
 }
 
-std::string QuestionHtml(const SurveyPageInput& input, std::size_t index) {
-  const SurveyPageQuestion& question = input.questions[index];
-  const std::string number = std::to_string(index + 1) + " of " + std::to_string(input.questions.size());
+std::string QuestionHtml(const SurveyKey& key, std::size_t index) {
+  const SurveyQuestion& question = key.questions[index];
+  const std::string number = std::to_string(index + 1) + " of " + std::to_string(key.questions.size());
   std::string action = question.label;
   std::replace(action.begin(), action.end(), '_', ' ');
   const std::string label = "<em>" + EscapeHtml(action) + "</em>";
   std::string html = "<section class=\"question\" data-question=\"" + question.id +
                      "\" tabindex=\"-1\" hidden aria-label=\"Question " + number + "\">\n<p class=\"soft\">Question " +
                      number + "</p>\n";
-  if (input.kind == SurveyKind::kPreference) {
+  if (key.kind == SurveyKind::kPreference) {
     html += "<h2>Which of the two motions looks more like " + label + "?</h2>\n<div class=\"pair\">\n" +
             ShownHtml("Left motion", question.id + "-1", AnswerButton("left", "The left one", 1)) +
             ShownHtml("Right motion", question.id + "-2", AnswerButton("right", "The right one", 2)) + "</div>\n";
@@ -43,8 +53,8 @@ std::string QuestionHtml(const SurveyPageInput& input, std::size_t index) {
   return html + "</section>\n";
 }
 
-std::string SurveyHeaderHtml(const SurveyPageInput& input) {
-  const bool preference = input.kind == SurveyKind::kPreference;
+std::string SurveyHeaderHtml(const SurveyKey& key) {
+  const bool preference = key.kind == SurveyKind::kPreference;
   return "<header>\n<h1>" + std::string(preference ? "Which motion looks more like it?" : "Real or generated?") +
          "</h1>\n" +
          Paragraph(std::string(preference ? "Two motions stand side by side. Choose the one that looks more like the "
@@ -60,7 +70,7 @@ std::string SurveyHeaderHtml(const SurveyPageInput& input) {
              "you save them as a file.",
              "soft") +
          "</header>\n<div class=\"bar\"><div><progress id=\"progress\" max=\"" +
-         std::to_string(std::max<std::size_t>(1, input.questions.size())) +
+         std::to_string(std::max<std::size_t>(1, key.questions.size())) +
          "\" value=\"0\" aria-label=\"Questions answered\"></progress><span id=\"count\"></span><button "
          "type=\"button\" id=\"back\">Back <kbd>b</kbd></button><button type=\"button\" id=\"next\">Next "
          "<kbd>n</kbd></button><label>participant <input type=\"text\" id=\"participant\" maxlength=\"40\" "
@@ -77,22 +87,150 @@ constexpr const char* kSurveyEnd =
     "these "
     "answers</button></p>\n</section>\n";
 
-}  // namespace
-
-std::string MakeSurveyPage(const SurveyPageInput& input) {
-  const std::array<std::string, 2> answers = AnswersOf(input.kind);
-  nlohmann::json page = {{"survey", input.survey}, {"answers", answers}, {"questions", nlohmann::json::array()}};
+/// One self-contained page, which asks one question at a time and saves answers_PARTICIPANT.json. Of the
+/// key it has ids and labels of the questions alone: no name of a source or clip.
+std::string MakeSurveyPage(const SurveyKey& key, const ShownMotions& motions) {
+  const std::string survey = SurveyId(key);
+  nlohmann::json page = {{"survey", survey}, {"answers", AnswersOf(key.kind)}, {"questions", nlohmann::json::array()}};
   std::string questions;
-  for (std::size_t i = 0; i < input.questions.size(); ++i) {
-    page["questions"].push_back({{"id", input.questions[i].id}, {"motions", input.questions[i].motions}});
-    questions += QuestionHtml(input, i);
+  for (std::size_t i = 0; i < key.questions.size(); ++i) {
+    page["questions"].push_back({{"id", key.questions[i].id}, {"motions", motions[i]}});
+    questions += QuestionHtml(key, i);
   }
   return PageHead("Survey", std::string(kPageStyle) + kReviewStyle + kSurveyStyle) + "<body>\n" +
-         SurveyHeaderHtml(input) + "<main id=\"main\">\n" + questions + kSurveyEnd + "</main>\n<footer>\n" +
-         Paragraph("Survey " + EscapeHtml(input.survey) + ", made by " + EscapeHtml(CreatedBy()) + ".") +
+         SurveyHeaderHtml(key) + "<main id=\"main\">\n" + questions + kSurveyEnd + "</main>\n<footer>\n" +
+         Paragraph("Survey " + EscapeHtml(survey) + ", made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"survey-data\">" + JsonForScript(page) +
          "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kPageToolsScript + "</script>\n<script>" +
          kSurveyScript + "</script>\n</body>\n</html>\n";
+}
+
+constexpr int kMostNumbers = 400000;       ///< of one motion: 60 s at 60 Hz of 37 joints
+constexpr double kUnlikeDurations = 1.05;  ///< longest over shortest motion above which length may reveal sources
+
+/// A file of motions, and the index of each clip in it.
+struct OpenSource {
+  DatasetClips clips;
+  std::map<std::string, std::size_t> row_of;  ///< by id
+};
+
+Expected<OpenSource> OpenSourceOf(const StageInput& input) {
+  auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kHashes);
+  if (!clips) return Forward(clips);
+  OpenSource open{std::move(*clips), {}};
+  for (std::size_t row = 0; row < open.clips.size(); ++row) open.row_of[open.clips.Id(row)] = row;
+  return open;
+}
+
+/// Clips of a key by source and id.
+using ClipsOfKey = std::map<std::pair<std::string, std::string>, Clip>;
+
+/// Reads every clip that the key shows.
+Expected<ClipsOfKey> ReadShown(const SurveyKey& key, const std::map<std::string, OpenSource>& sources) {
+  ClipsOfKey clips;
+  for (const SurveyQuestion& question : key.questions) {
+    for (const ShownMotion& shown : question.shown) {
+      const OpenSource& source = sources.at(shown.source);
+      auto [at, is_new] = clips.try_emplace({shown.source, shown.clip});
+      if (!is_new) continue;
+      auto clip = source.clips.Read(source.row_of.at(shown.clip));
+      if (!clip) return Forward(clip);
+      if (!clip->motion || clip->motion->frame_count() < 2) {
+        return Fail(ErrorCode::kInconsistent, "the clip has no motion of two frames or more",
+                    shown.source + ": " + shown.clip, "remove it: `mocurate dataset subset --where 'frames >= 2'`");
+      }
+      at->second = std::move(*clip);
+    }
+  }
+  return clips;
+}
+
+/// All at their lowest rate, and for at most `seconds`: neither may reveal a source.
+Status MakeAlike(double seconds, ClipsOfKey& clips) {
+  FrameRate lowest = clips.begin()->second.motion->rate;
+  for (const auto& [place, clip] : clips) {
+    if (clip.motion->rate.hz() < lowest.hz()) lowest = clip.motion->rate;
+  }
+  for (auto& [place, clip] : clips) {
+    clip = Resample(clip, lowest);
+    const double frames = std::floor(seconds * lowest.hz() + 1e-9);
+    if (clip.motion->frame_count() <= frames) continue;
+    auto cut = Cut(clip, 0, std::max(2, static_cast<int>(frames)));
+    if (!cut) return Forward(cut);
+    clip = std::move(*cut);
+  }
+  return {};
+}
+
+/// Problems of a survey: cues that may reveal the sources although the page names none, and meaningless questions.
+nlohmann::json NotesOf(const ClipsOfKey& clips, const SurveyKey& key) {
+  std::set<std::vector<int>> trees;
+  double shortest = 1e300, longest = 0.0;
+  for (const auto& [place, clip] : clips) {
+    std::vector<int> parents;
+    for (const Joint& joint : clip.motion->skeleton->joints) parents.push_back(joint.parent);
+    trees.insert(std::move(parents));
+    shortest = std::min(shortest, clip.motion->duration());
+    longest = std::max(longest, clip.motion->duration());
+  }
+  nlohmann::json notes = nlohmann::json::array();
+  if (trees.size() > 1) {
+    notes.push_back(std::to_string(trees.size()) +
+                    " different skeletons are shown: their bones can reveal the sources; export or generate all "
+                    "with one skeleton");
+  }
+  if (longest > kUnlikeDurations * shortest) {
+    notes.push_back("the motions last " + RoundedText(shortest, 3) + " to " + RoundedText(longest, 3) +
+                    " s: their length can reveal the sources; --seconds " + RoundedText(shortest, 3) +
+                    " shows all for the same time");
+  }
+  const auto same = std::count_if(key.questions.begin(), key.questions.end(), [](const SurveyQuestion& question) {
+    return question.shown.front().fingerprint == question.shown.back().fingerprint && question.shown.size() == 2;
+  });
+  if (same > 0) {
+    notes.push_back(Counted(same, "question") +
+                    " of the survey shows one motion twice: two sources share motions; use different files");
+  }
+  return notes;
+}
+
+}  // namespace
+
+Expected<StageOutcome> SurveyStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<SurveyOptions>(request.options, "survey");
+  if (!options) return Forward(options);
+  std::map<std::string, OpenSource> open;
+  std::vector<SurveySource> sources;
+  for (const StageInput& input : request.inputs) {
+    auto opened = OpenSourceOf(input);
+    if (!opened) return Forward(opened);
+    SurveySource source{input.name, {}};
+    for (std::size_t row = 0; row < opened->clips.size(); ++row) {
+      source.motions.push_back({opened->clips.Id(row), opened->clips.Label(row)});
+    }
+    open.emplace(input.name, std::move(*opened));
+    sources.push_back(std::move(source));
+  }
+  auto key = DrawSurvey(*options, sources);
+  if (!key) return Forward(key);
+  auto clips = ReadShown(*key, open);
+  if (!clips) return Forward(clips);
+  if (Status alike = MakeAlike(options->seconds, *clips); !alike) return Forward(alike);
+  ShownMotions motions;
+  for (SurveyQuestion& question : key->questions) {
+    motions.emplace_back();
+    for (ShownMotion& shown : question.shown) {
+      const Motion& motion = *clips->at({shown.source, shown.clip}).motion;
+      shown.fingerprint = MotionFingerprint(motion);
+      motions.back().push_back(PlayerData("motion", motion, nullptr, kMostNumbers));
+    }
+  }
+  const std::string page = MakeSurveyPage(*key, motions);
+  if (Status written = WriteFile(request.output, page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {
+      {"bytes", page.size()}, {"motions", clips->size()}, {"notes", NotesOf(*clips, *key)}, {"key", KeyToJson(*key)}};
+  return outcome;
 }
 
 }  // namespace mocurate

@@ -29,11 +29,6 @@ std::string Text(double x, double y, const std::string& text, const char* anchor
          css_class + "\">" + EscapeHtml(text) + "</text>\n";
 }
 
-std::string Line(double x1, double y1, double x2, double y2, const char* css_class) {
-  return "<line x1=\"" + Coordinate(x1) + "\" y1=\"" + Coordinate(y1) + "\" x2=\"" + Coordinate(x2) + "\" y2=\"" +
-         Coordinate(y2) + "\" class=\"" + css_class + "\"/>\n";
-}
-
 std::string MarkText(double value) {
   if (value != 0.0 && std::abs(value) >= 1e4) return FixedText(value / 1e3, std::fmod(value, 1e3) == 0.0 ? 0 : 1) + "k";
   std::string text = FixedText(value, 6);
@@ -65,10 +60,10 @@ struct Frame {
   std::string Axes(const std::string& x_name, const std::string& y_name) const {
     std::string svg;
     for (const double mark : AxisMarks(y_low, y_high, 5)) {
-      svg += Line(left, y(mark), right, y(mark), "grid") + Text(left - 6, y(mark) + 4, MarkText(mark), "end");
+      svg += SvgLine(left, y(mark), right, y(mark), "grid") + Text(left - 6, y(mark) + 4, MarkText(mark), "end");
     }
     for (const double mark : AxisMarks(x_low, x_high, 7)) svg += Text(x(mark), bottom + 16, MarkText(mark), "middle");
-    svg += Line(left, bottom, right, bottom, "axis");
+    svg += SvgLine(left, bottom, right, bottom, "axis");
     return svg + Text(right, bottom + 32, x_name, "end") + Text(left, top - 8, y_name, "start");
   }
 };
@@ -81,6 +76,11 @@ std::string Coordinate(double value) {
   std::string text = std::to_string(std::llabs(whole) / 10);
   if (whole % 10 != 0) text += "." + std::to_string(std::llabs(whole) % 10);
   return (whole < 0 ? "-" : "") + text;
+}
+
+std::string SvgLine(double x1, double y1, double x2, double y2, const char* css_class) {
+  return "<line x1=\"" + Coordinate(x1) + "\" y1=\"" + Coordinate(y1) + "\" x2=\"" + Coordinate(x2) + "\" y2=\"" +
+         Coordinate(y2) + "\" class=\"" + css_class + "\"/>\n";
 }
 
 std::vector<double> AxisMarks(double low, double high, int most) {
@@ -160,9 +160,9 @@ std::string TwoSidedHistogram::Svg() const {
                   side == 0 ? "before" : "after", tip);
     }
     const double median = frame.x(std::min(frame.x_high, Quantile(*samples[side], 0.5)));
-    svg += Line(median, upwards ? frame.top : middle + 1, median, upwards ? middle - 1 : frame.bottom, "median");
+    svg += SvgLine(median, upwards ? frame.top : middle + 1, median, upwards ? middle - 1 : frame.bottom, "median");
   }
-  svg += Line(frame.left, middle, frame.right, middle, "axis");
+  svg += SvgLine(frame.left, middle, frame.right, middle, "axis");
   for (const double mark : AxisMarks(0.0, frame.x_high, 4)) {
     svg += Text(frame.x(mark), frame.bottom + 14, MarkText(mark), mark == 0.0 ? "start" : "middle");
   }
@@ -199,8 +199,7 @@ std::string LineChart::Svg() const {
       }
     }
     if (!part.empty()) svg += begin + part + end;
-    svg += "<line x1=\"" + Coordinate(key_x) + "\" y1=\"250\" x2=\"" + Coordinate(key_x + 18) +
-           "\" y2=\"250\" class=\"" + css_class + "\"/>\n" + Text(key_x + 24, 254, curves[i].name, "start");
+    svg += SvgLine(key_x, 250, key_x + 18, 250, css_class.c_str()) + Text(key_x + 24, 254, curves[i].name, "start");
     key_x += 42.0 + 6.6 * static_cast<double>(curves[i].name.size());
   }
   return svg + "</svg>\n";

@@ -61,6 +61,8 @@ std::vector<double> AxisMarks(double low, double high, int most);
 /// Coordinates: at most one decimal.
 std::string Coordinate(double value);
 
+std::string SvgLine(double x1, double y1, double x2, double y2, const char* css_class);
+
 double Quantile(std::vector<double> values, double share);
 
 }  // namespace mocurate

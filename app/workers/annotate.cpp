@@ -14,11 +14,8 @@
 #include "ingest/options.h"
 #include "ingest/read_motions.h"
 #include "ingest/stages.h"
-#include "report/annotate_page.h"
 #include "report/options.h"
-#include "report/review_page.h"
 #include "report/stages.h"
-#include "report/survey_page.h"
 
 int main(int argc, char** argv) {
   using namespace mocurate;

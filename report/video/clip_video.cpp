@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <utility>
 
+#include "core/base/text.h"
+#include "report/motion_rows.h"
 #include "report/painters.h"
-#include "report/scene.h"
+#include "report/stages.h"
 
 namespace mocurate {
 namespace {
@@ -43,6 +46,7 @@ class PartialFile {
 };
 
 constexpr double kMostPerSecond = 60.0;
+constexpr double kMostOfRows = 30.0;  // pictures a second of motions side by side
 constexpr double kRateSlack = 1e-9;
 constexpr int kHeight = 480;   // pixels, even as H.264 needs it
 constexpr int kMostViews = 3;  // beside the front
@@ -85,8 +89,8 @@ struct Panels {
   }
 };
 
-}  // namespace
-
+/// Draws pictures 0 to `count` - 1 of one size with even sides and writes them atomically as H.264 (MP4). Returns their
+/// number. Errors of drawing; kMissingOnHost where OpenCV finds no encoder, kCannotWrite; both name `item`.
 Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
                          const std::function<Expected<cv::Mat>(int)>& draw, const std::filesystem::path& file) {
   const PartialFile partial(file.string() + ".mp4");  // OpenCV chooses the container by the name
@@ -117,6 +121,8 @@ Expected<int> WriteVideo(const std::string& item, double rate_hz, int count,
   return count;
 }
 
+}  // namespace
+
 Expected<int> WriteClipVideo(const DrawnClip& clip, const std::filesystem::path& file, int most_pictures) {
   if (Status ok = CheckFrame(clip.fitted, 0); !ok) return Forward(ok);
   const Motion& motion = *clip.fitted.motion;
@@ -135,6 +141,46 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const std::filesystem::path&
   return WriteVideo(
       clip.item, motion.rate.hz() / step, static_cast<int>(shown.size()),
       [&](int picture) { return panels.Draw(shown[static_cast<std::size_t>(picture)]); }, file);
+}
+
+Expected<StageOutcome> ClipVideoStage(const StageRequest& request) {
+  const auto drawn = ReadDrawnClip(request);
+  if (!drawn) return Forward(drawn);
+  const auto pictures = WriteClipVideo(*drawn, request.output);
+  if (!pictures) return Forward(pictures);
+  StageOutcome outcome;
+  outcome.summary = {{"pictures", *pictures}};
+  return outcome;
+}
+
+Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<MotionPictureOptions>(request.options, "draw");
+  if (!options) return Forward(options);
+  const auto rows = ReadRows(request, *options);
+  if (!rows) return Forward(rows);
+  double rate = 1.0, frames = 1.0, seconds = 0.0;
+  for (const MotionRow& row : *rows) {
+    rate = std::min(kMostOfRows, std::max(rate, row.clip.motion->rate.hz()));
+    frames = std::max(frames, static_cast<double>(row.clip.motion->frame_count()));
+    seconds = std::max(seconds, row.clip.motion->duration());
+  }
+  const double pictures_of_all = std::round(seconds * rate);
+  if (pictures_of_all > kMostOfRows * frames) {  // slower than a frame a second
+    return Fail(ErrorCode::kUnsupported,
+                "the video has " + FormatDouble(pictures_of_all) + " pictures of motions of at most " +
+                    FormatDouble(frames) + " frames",
+                request.item, "correct the rates of the motions, or draw those of one rate");
+  }
+  const int count = std::max(1, static_cast<int>(pictures_of_all));
+  const auto draw = [&](int picture) -> Expected<cv::Mat> {
+    const cv::Mat image = ToImage(DrawMotionGrid(*rows, *options, picture / rate), options->scale);
+    return image(cv::Rect(0, 0, image.cols / 2 * 2, image.rows / 2 * 2)).clone();
+  };
+  const auto pictures = WriteVideo(request.item, rate, count, draw, request.output);
+  if (!pictures) return Forward(pictures);
+  StageOutcome outcome;
+  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}, {"without", SourcesWithout(request, *rows)}};
+  return outcome;
 }
 
 }  // namespace mocurate

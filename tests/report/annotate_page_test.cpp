@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "canon/recipes/spans_file.h"
+#include "report/stages.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
 

@@ -6,7 +6,6 @@
 #include <regex>
 
 #include "report/clip_page.h"
-#include "report/clip_series.h"
 #include "report/painters.h"
 #include "report/video/clip_video.h"
 #include "tests/report/builders.h"

@@ -3,7 +3,7 @@
 #include "core/body/capsule_body.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
-#include "report/pictures.h"
+#include "report/painters.h"
 #include "report/posed_body.h"
 #include "report/svg.h"
 #include "tests/report/builders.h"
@@ -113,14 +113,13 @@ class PictureTest : public ::testing::Test {
 };
 
 TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
-  const auto png = run_.folder / "picture.png";
-  const auto expect_png = [&](const Status& written) {
-    ASSERT_TRUE(written) << written.error().Message();
-    EXPECT_EQ(ReadFile(png)->substr(1, 3), "PNG");
+  const auto expect_png = [&](const Expected<std::string>& png) {
+    ASSERT_TRUE(png) << png.error().Message();
+    EXPECT_EQ(png->substr(1, 3), "PNG");
   };
-  expect_png(WriteClipPicture(fitted_, evidence_, png));
-  expect_png(WriteBodyOverlay(fitted_, evidence_, 0, 20, png));
-  expect_png(WriteCloudPicture(fitted_, evidence_, 20, png));
+  expect_png(ClipPicturePng(fitted_, evidence_));
+  expect_png(BodyOverlayPng(fitted_, evidence_, 0, 20));
+  expect_png(CloudPicturePng(fitted_, evidence_, 20));
 }
 
 TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
@@ -144,16 +143,14 @@ TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
 }
 
 TEST_F(PictureTest, WhatIsNotThereIsNamed) {
-  const auto png = run_.folder / "picture.png";
-  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 3, 20, png).error().code, ErrorCode::kInconsistent);
-  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 400, png).error().code, ErrorCode::kInconsistent);
-  EXPECT_EQ(WriteClipPicture(Clip(), evidence_, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 3, 20).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 400).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(ClipPicturePng(Clip(), evidence_).error().code, ErrorCode::kInconsistent);
   evidence_.depth_views[0].camera.width = 100;
-  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 20, png).error().code, ErrorCode::kInconsistent);
+  EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 20).error().code, ErrorCode::kInconsistent);
   ASSERT_TRUE(WriteFile(run_.folder / "depth.png", "no picture"));
-  EXPECT_EQ(WriteBodyOverlay(fitted_, evidence_, 0, 20, png).error().code, ErrorCode::kMalformed);
-  EXPECT_EQ(WriteCloudPicture(fitted_, Evidence(), 20, png).error().code, ErrorCode::kInconsistent);
-  EXPECT_FALSE(std::filesystem::exists(png));
+  EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 20).error().code, ErrorCode::kMalformed);
+  EXPECT_EQ(CloudPicturePng(fitted_, Evidence(), 20).error().code, ErrorCode::kInconsistent);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/motion/operations.h"
-#include "report/survey_page.h"
+#include "report/stages.h"
 #include "report/survey_tally.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
