@@ -35,7 +35,7 @@ struct TripleOptions {
 /// The field of a segment that becomes the label of its clip. With kCategory the segment's label is the fine label.
 enum class ClassFrom { kLabel, kCategory };
 
-/// Where a recording is cut into consecutive actions (canon/trim/change_points.h). Penalties are in seconds of a
+/// Where a recording is cut into consecutive actions (canon/trim/trim.h). Penalties are in seconds of a
 /// segment unlike its surroundings.
 struct ChangePointOptions {
   double rest_penalty_s = 0.3;      ///< of a boundary at rest
@@ -50,7 +50,7 @@ struct ChangePointOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// How an exercise is cut into repetitions (canon/trim/cycles.h).
+/// How an exercise is cut into repetitions (canon/trim/trim.h).
 struct CycleOptions {
   double shortest_s = 0.4;  ///< of a repetition
   double longest_s = 8.0;

@@ -10,7 +10,7 @@
 #include "canon/splits/splits.h"
 #include "canon/stage_parts.h"
 #include "canon/stages.h"
-#include "canon/values/skeletons.h"
+#include "canon/values/merge.h"
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"

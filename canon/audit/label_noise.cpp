@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kFrames = 32;               // that a clip is resampled to
 constexpr double kVelocityWeight = 3.0;   // of time differences relative to positions
-constexpr double kWidth = 1.0;            // exponent at the median squared distance of two clips
 constexpr double kRidge = 0.1;            // added to the kernel's diagonal of ones
 constexpr double kNoneShare = 0.15;       // of every class's mean own score that a clip of no class stays below
 constexpr double kLeastUsual = 0.05;      // classes with a smaller mean own score are not judged
@@ -123,7 +122,7 @@ std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& r
 Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
                                 const std::vector<int>& folds, int classes, const LabelNoiseOptions& options) {
   const auto N = static_cast<int>(labels.size());
-  const auto scale = static_cast<float>(-kWidth / MedianDistance(descriptors));
+  const auto scale = static_cast<float>(-1.0 / MedianDistance(descriptors));  // exponent -1 at the median
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(N, classes);
   for (int fold = 0; fold <= *std::max_element(folds.begin(), folds.end()); ++fold) {
     std::vector<int> train, judged;

@@ -62,11 +62,12 @@ class ActorWriter : public LayoutWriter {
                       RoundedText(1000.0 * farthest_, 2) + " mm off `joints3D`");
     }
     FileDeclaration declaration;
+    if (!set_.file.empty()) declaration.name = std::filesystem::path(set_.file).stem().string() + ".source.yaml";
     declaration.layout = "actor";
     declaration.source = ClipNames(set_.ids, RecordingNames::kOfPerson).source();
     std::map<std::string, std::string> labels;
     for (std::size_t c = 0; c < set_.labels.size(); ++c) {
-      labels[(c + 1 < 10 ? "0" : "") + std::to_string(c + 1)] = set_.labels[c];
+      labels[ZeroPadded(static_cast<int>(c) + 1, 2)] = set_.labels[c];
     }
     declaration.options = {{"format", "humanact12_pickle"},
                            {"container", YamlQuoted(FileName())},
@@ -77,13 +78,9 @@ class ActorWriter : public LayoutWriter {
                            {"recording", YamlQuoted("c{clip}")},
                            {"label", YamlQuoted("{action}")},
                            {"labels", YamlMap(labels)}};
-    const std::string name =
-        set_.file.empty() ? kDeclarationFile : std::filesystem::path(set_.file).stem().string() + ".source.yaml";
     ExportSet without_splits = set_;
     without_splits.splits.clear();  // ingest does not read persons back
-    for (ExportedFile& file : DeclarationFiles(without_splits, clips_, declaration, name, notes)) {
-      files.push_back(std::move(file));
-    }
+    AddDeclaration(without_splits, clips_, declaration, notes, files);
     return files;
   }
 

@@ -211,9 +211,7 @@ class AmassBabelWriter : public LayoutWriter {
       declaration.role_split = set_.splits.front().name;
     }
     if (!codes.empty()) declaration.options.emplace_back("labels", YamlMap(codes));
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
-      files.push_back(std::move(file));
-    }
+    AddDeclaration(set_, clips_, declaration, notes, files);
     return files;
   }
 

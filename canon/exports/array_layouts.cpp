@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "canon/exports/clip_names.h"
-#include "canon/exports/labelled_folder.h"
 #include "canon/exports/written_set.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "canon/exports/clip_names.h"
-#include "canon/exports/labelled_folder.h"
 #include "canon/exports/written_set.h"
 #include "core/base/pi.h"
 #include "core/formats/bvh.h"

@@ -41,8 +41,6 @@ class FileNames {
   std::map<std::string, std::string> Texts() const;
   /// Number of texts whose name differs.
   std::size_t renamed() const;
-  /// Whether all names equal their texts.
-  bool Plain() const { return renamed() == 0; }
 
  private:
   std::map<std::string, std::string> names_;  ///< by text

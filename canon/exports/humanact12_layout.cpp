@@ -21,11 +21,6 @@ constexpr const char* kYDown = "+x -y -z";
 constexpr int kTwoDigits = 99;
 constexpr int kMostFrames = 9999;  // the last frame number has four digits
 
-std::string Padded(int number, std::size_t width) {
-  const std::string digits = std::to_string(number);
-  return std::string(digits.size() < width ? width - digits.size() : 0, '0') + digits;
-}
-
 /// Whether a text is this one, in which # stands for any digit.
 bool HasForm(std::string_view text, std::string_view form) {
   return std::equal(text.begin(), text.end(), form.begin(), form.end(),
@@ -41,7 +36,7 @@ class ActionCodes {
     for (const FineLabel& fine : fine_labels) {
       const int number = ++count[fine.parent];
       if (number > kTwoDigits || fine.parent >= kTwoDigits) continue;
-      const std::string code = Padded(fine.parent + 1, 2) + Padded(number, 2);
+      const std::string code = ZeroPadded(fine.parent + 1, 2) + ZeroPadded(number, 2);
       texts_.emplace(code, fine.name);
       codes_.emplace(std::pair(labels[static_cast<std::size_t>(fine.parent)], fine.name), code);
     }
@@ -66,7 +61,7 @@ class ActionCodes {
     if (known != codes_.end()) return known->second;
     const std::string coarse = Coarse(label);
     for (int number = fine.empty() ? 0 : 1; number <= kTwoDigits && coarse.size() == 2; ++number) {
-      const std::string code = coarse + Padded(number, 2);
+      const std::string code = coarse + ZeroPadded(number, 2);
       if (!texts_.emplace(code, fine).second) continue;
       return codes_.emplace(std::pair(label, fine), code).first->second;
     }
@@ -92,7 +87,7 @@ class ActionCodes {
   std::string Coarse(const std::string& label) {
     auto found = std::find(labels_.begin(), labels_.end(), label);
     if (found == labels_.end() && !label.empty()) found = labels_.insert(labels_.end(), label);
-    return label.empty() ? "00" : Padded(static_cast<int>(found - labels_.begin()) + 1, 2);
+    return label.empty() ? "00" : ZeroPadded(static_cast<int>(found - labels_.begin()) + 1, 2);
   }
 
   std::vector<std::string> labels_;
@@ -161,9 +156,7 @@ class HumanAct12Writer : public LayoutWriter {
       say("fine_label", YamlQuoted("{action}{fine}"));
       say("fine_labels", YamlMap(codes_.FineLabels()));
     }
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
-      files.push_back(std::move(file));
-    }
+    AddDeclaration(set_, clips_, declaration, notes, files);
     return files;
   }
 
@@ -172,7 +165,7 @@ class HumanAct12Writer : public LayoutWriter {
   Expected<std::string> NameOf(std::size_t position, const Clip& clip) {
     const std::string& recording = names_.Recording(position);
     const int person = persons_.at(names_.Person(position)), frames = clip.motion->frame_count();
-    if (HasForm(recording, "P##G##R##F####T####A####") && recording.substr(0, 3) == "P" + Padded(person, 2) &&
+    if (HasForm(recording, "P##G##R##F####T####A####") && recording.substr(0, 3) == "P" + ZeroPadded(person, 2) &&
         taken_.count(recording) == 0 &&
         codes_.Keep(recording.substr(recording.size() - 4), clip.label, clip.fine_label)) {
       taken_.insert(recording);
@@ -190,8 +183,8 @@ class HumanAct12Writer : public LayoutWriter {
     const long long begin = FirstRecordedFrame(clip);
     const int first = begin >= 0 && begin + frames - 1 <= kMostFrames ? static_cast<int>(begin) : 0;
     const auto name_of = [&](int group, int repetition) {
-      return "P" + Padded(person, 2) + "G" + Padded(group, 2) + "R" + Padded(repetition, 2) + "F" + Padded(first, 4) +
-             "T" + Padded(first + frames - 1, 4) + "A" + *action;
+      return "P" + ZeroPadded(person, 2) + "G" + ZeroPadded(group, 2) + "R" + ZeroPadded(repetition, 2) + "F" +
+             ZeroPadded(first, 4) + "T" + ZeroPadded(first + frames - 1, 4) + "A" + *action;
     };
     if (const auto phspd = ParsePhspdRecording(clip.identity.recording); phspd && phspd->subject == person) {
       // A clip cut as HumanAct12 was: the set's own name.

@@ -1,5 +1,3 @@
-#include "canon/exports/labelled_folder.h"
-
 #include <algorithm>
 
 #include "canon/exports/clip_names.h"
@@ -43,7 +41,11 @@ class LabelledFolderWriter : public LayoutWriter {
           "the clips have different rates: no source.yaml is written, because it can declare one rate only");
       return files;
     }
-    FileDeclaration declaration{folder_.layout, names_.source(), {}, "", folder_.holds_tree, folder_.joint_table};
+    FileDeclaration declaration;
+    declaration.layout = folder_.layout;
+    declaration.source = names_.source();
+    declaration.has_tree = folder_.holds_tree;
+    declaration.joint_table = folder_.joint_table;
     declaration.options = folder_.declare(set_, first);
     const bool fine = !fine_labels_.Texts().empty();
     const auto say = [&](const char* option, const std::string& value) {
@@ -56,12 +58,10 @@ class LabelledFolderWriter : public LayoutWriter {
     say("person", YamlQuoted("{person}"));
     say("recording", YamlQuoted("{recording}"));
     say("label", YamlQuoted("{label}"));
-    if (!labels_.Plain()) say("labels", YamlMap(labels_.Texts()));
+    if (labels_.renamed() > 0) say("labels", YamlMap(labels_.Texts()));
     if (fine) say("fine_label", YamlQuoted("{fine}"));
-    if (!fine_labels_.Plain()) say("fine_labels", YamlMap(fine_labels_.Texts()));
-    for (ExportedFile& file : DeclarationFiles(set_, clips_, declaration, kDeclarationFile, notes)) {
-      files.push_back(std::move(file));
-    }
+    if (fine_labels_.renamed() > 0) say("fine_labels", YamlMap(fine_labels_.Texts()));
+    AddDeclaration(set_, clips_, declaration, notes, files);
     return files;
   }
 

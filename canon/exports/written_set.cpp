@@ -129,7 +129,6 @@ WrittenClip WrittenClipOf(std::size_t position, const Clip& clip, std::string fi
   written.position = position;
   written.file = std::move(file);
   written.person = clip.identity.person;
-  written.recording = clip.identity.recording;
   written.label = clip.label;
   written.fine_label = clip.fine_label;
   written.licence = clip.identity.licence;
@@ -193,10 +192,8 @@ std::string YamlMap(const std::map<std::string, std::string>& texts) {
   return "{" + map + "}";
 }
 
-std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vector<WrittenClip>& clips,
-                                           const FileDeclaration& declaration, const std::string& name,
-                                           std::vector<std::string>& notes) {
-  std::vector<ExportedFile> files;
+void AddDeclaration(const ExportSet& set, const std::vector<WrittenClip>& clips, const FileDeclaration& declaration,
+                    std::vector<std::string>& notes, std::vector<ExportedFile>& files) {
   const bool built_in = IsBuiltIn(*set.skeleton);
   std::string skeleton = built_in ? set.skeleton->name : "";
   if (!built_in && !declaration.has_tree) {
@@ -231,8 +228,7 @@ std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vect
   text += "canon:\n  trim: {min_length: 0 s}\n  facing: {rule: none}\n";
   text += "assemble:\n  recipe: " + YamlQuoted("read from an export, layout " + declaration.layout) + "\n" +
           ClassesText(set, clips) + SplitsText(set, clips, declaration.role_split, notes);
-  files.push_back({name, std::move(text)});
-  return files;
+  files.push_back({declaration.name, std::move(text)});
 }
 
 }  // namespace mocurate

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,7 +18,6 @@ struct WrittenClip {
   std::size_t position = 0;  ///< in ExportSet::ids
   std::string file;          ///< below the folder
   std::string person;
-  std::string recording;
   std::string label;
   std::string fine_label;
   std::string licence;
@@ -55,6 +55,7 @@ std::string YamlMap(const std::map<std::string, std::string>& texts);
 /// A layout's declaration of its files: options of ingest.source, except name, licence and skeleton, and their values
 /// in YAML.
 struct FileDeclaration {
+  std::string name = kDeclarationFile;  ///< of its file
   std::string layout;
   std::string source;  ///< name
   std::vector<std::pair<std::string, std::string>> options;
@@ -64,10 +65,28 @@ struct FileDeclaration {
 };
 
 /// source.yaml, a job that reads the export again: classes in their order and the splits by person in `assemble`.
-/// Beside it skeleton.yaml, where the skeleton is not built in and the files do not contain it. `name`: of the
-/// declaration. Notes name the splits that it cannot declare.
-std::vector<ExportedFile> DeclarationFiles(const ExportSet& set, const std::vector<WrittenClip>& clips,
-                                           const FileDeclaration& declaration, const std::string& name,
-                                           std::vector<std::string>& notes);
+/// Beside it skeleton.yaml, where the skeleton is not built in and the files do not contain it. Notes name the splits that
+/// it cannot declare.
+void AddDeclaration(const ExportSet& set, const std::vector<WrittenClip>& clips, const FileDeclaration& declaration,
+                    std::vector<std::string>& notes, std::vector<ExportedFile>& files);
+
+/// A layout of one file per clip, named by its folders: LABEL/PERSON/RECORDING.ending, or with a fine label
+/// LABEL/FINE_LABEL/PERSON/RECORDING.ending. Texts are converted to file names (canon/exports/clip_names.h); "_" means
+/// no label.
+struct LabelledFolder {
+  std::string layout;
+  std::string ending;  ///< ".csv"
+  /// The file of a clip, or the error that prevents it.
+  Expected<std::string> (*encode)(const Clip& clip, const ExportSet& set);
+  /// Options of ingest.source, except those for names, and their values in YAML. `rate` is the first clip's.
+  std::vector<std::pair<std::string, std::string>> (*declare)(const ExportSet& set, const FrameRate& rate);
+  bool holds_rate = false;              ///< each file states its rate
+  bool declares_rate = true;            ///< the declaration must state the rate, even where the files do
+  bool holds_tree = false;              ///< each file contains the tree of joints
+  bool joint_table = false;             ///< read as joint tracks
+  const char* not_in_joint_names = "";  ///< characters that the files' names of joints cannot hold
+};
+
+std::unique_ptr<LayoutWriter> MakeLabelledFolder(const ExportSet& set, const LabelledFolder& folder);
 
 }  // namespace mocurate

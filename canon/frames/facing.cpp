@@ -53,12 +53,6 @@ Expected<Quaterniond> GivenRotation(const FacingOptions& options, const Clip& cl
 
 }  // namespace
 
-HeadingRule HeadingRuleOf(FacingRule rule) {
-  return rule == FacingRule::kTwist   ? HeadingRule::kTwist
-         : rule == FacingRule::kEuler ? HeadingRule::kEuler
-                                      : HeadingRule::kHips;
-}
-
 bool ReadsHeading(FacingRule rule) {
   return rule == FacingRule::kHips || rule == FacingRule::kEuler || rule == FacingRule::kTwist;
 }
@@ -66,7 +60,10 @@ bool ReadsHeading(FacingRule rule) {
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options) {
   const auto axes = BodyAxes(motion, frame);
   if (!axes) return Forward(axes);
-  return HeadingOfAxes(*axes, HeadingRuleOf(options.rule), options.min_horizontal);
+  const HeadingRule rule = options.rule == FacingRule::kTwist   ? HeadingRule::kTwist
+                           : options.rule == FacingRule::kEuler ? HeadingRule::kEuler
+                                                                : HeadingRule::kHips;
+  return HeadingOfAxes(*axes, rule, options.min_horizontal);
 }
 
 Expected<int> AnchorFrame(const FacingOptions& options, const Clip& clip) {
@@ -116,33 +113,20 @@ Expected<Heading> FaceFront(const FacingOptions& options, Clip& clip) {
   const Expected<int> anchor = AnchorFrame(options, clip);
   if (!anchor) return Forward(anchor);
   RigidTransform canonical_from_clip;
-  switch (options.rule) {
-    case FacingRule::kNone:
-    case FacingRule::kOrigin:
-      break;
-    case FacingRule::kHips:
-    case FacingRule::kEuler:
-    case FacingRule::kTwist: {
-      const auto found = HeadingOfFrame(motion, *anchor, options);
-      if (!found) return Forward(found);
-      heading = *found;
-      canonical_from_clip.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
-      break;
-    }
-    case FacingRule::kZero: {
-      const auto axes = BodyAxes(motion, *anchor);
-      if (!axes) return Forward(axes);
-      const bool turns = !motion.joints_only() && RestLeftAxis(*motion.skeleton).has_value();
-      canonical_from_clip.rotation =
-          turns ? motion.rotation_at(*anchor, 0).conjugate() : Quaterniond(axes->transpose());
-      break;
-    }
-    case FacingRule::kGiven: {
-      const auto given = GivenRotation(options, clip);
-      if (!given) return Forward(given);
-      canonical_from_clip.rotation = *given;
-      break;
-    }
+  if (ReadsHeading(options.rule)) {
+    const auto found = HeadingOfFrame(motion, *anchor, options);
+    if (!found) return Forward(found);
+    heading = *found;
+    canonical_from_clip.rotation = Quaterniond(Eigen::AngleAxisd(-heading.yaw, Vector3d::UnitY()));
+  } else if (options.rule == FacingRule::kZero) {
+    const auto axes = BodyAxes(motion, *anchor);
+    if (!axes) return Forward(axes);
+    const bool turns = !motion.joints_only() && RestLeftAxis(*motion.skeleton).has_value();
+    canonical_from_clip.rotation = turns ? motion.rotation_at(*anchor, 0).conjugate() : Quaterniond(axes->transpose());
+  } else if (options.rule == FacingRule::kGiven) {
+    const auto given = GivenRotation(options, clip);
+    if (!given) return Forward(given);
+    canonical_from_clip.rotation = *given;
   }
   const bool upright = (canonical_from_clip.rotation * Vector3d::UnitY() - Vector3d::UnitY()).norm() < kUpright;
   const bool on_floor = upright && clip.Noted(kHeightOrigin) == kOriginFloor;

@@ -6,13 +6,10 @@
 
 namespace mocurate {
 
-/// How a rule determines the heading; rules without one use the hips.
-HeadingRule HeadingRuleOf(FacingRule rule);
-
 /// Whether a rule uses a heading.
 bool ReadsHeading(FacingRule rule);
 
-/// HeadingOfAxes of one frame. Error of BodyAxes.
+/// HeadingOfAxes of one frame; rules without a heading use the hips. Error of BodyAxes.
 Expected<Heading> HeadingOfFrame(const Motion& motion, int frame, const FacingOptions& options);
 
 /// The anchor frame. Error kConfig for a frame that the clip lacks, or the end of a first segment where it has none.

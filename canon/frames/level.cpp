@@ -173,10 +173,6 @@ void from_json(const nlohmann::json& json, FloorPlane& floor) {
   floor.up = Vector3d(up.at(0), up.at(1), up.at(2)).normalized();
   floor.height = json.at("height_m").get<double>();
   floor.tilt_sigma = json.at("tilt_sigma_deg").get<double>() * kPi / 180.0;
-  floor.height_sigma = json.at("height_sigma_m").get<double>();
-  floor.lean = json.at("lean_deg").get<double>() * kPi / 180.0;
-  floor.contacts = json.at("contacts").get<int>();
-  floor.clips = json.at("clips").get<int>();
 }
 
 std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::vector<Motion>& motions) {

@@ -24,6 +24,7 @@ struct FloorPlane {
   RigidTransform LevelFromWorld() const;
 };
 void to_json(nlohmann::json& json, const FloorPlane& floor);
+/// Reads what LevelClip needs.
 void from_json(const nlohmann::json& json, FloorPlane& floor);
 
 /// The floor by least squares over all motions of one sensor. The lower joint of each foot is on it in each stance

@@ -9,8 +9,8 @@
 namespace mocurate {
 namespace {
 
-std::string RecordingId(const Clip& clip) {
-  return clip.identity.source + "/" + clip.identity.person + "/" + clip.identity.recording;
+bool NamesClip(const ListedSpan& span, const Clip& clip) {
+  return span.clip == clip.identity.recording || span.clip == RecordingOf(clip.id()) || span.clip == clip.id();
 }
 
 Finding SpanOutside(const Clip& clip, const ListedSpan& span, double seconds, Severity severity, FindingAction action) {
@@ -41,17 +41,13 @@ Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options) {
               "canon.trim.spans_of", "use humanact12, or name a file under canon.trim.spans");
 }
 
-bool NamesClip(const ListedSpan& span, const Clip& clip) {
-  return span.clip == clip.identity.recording || span.clip == RecordingId(clip) || span.clip == clip.id();
-}
-
-std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings) {
-  std::vector<int> lines;
+void ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings) {
+  bool named = false;
   std::vector<Segment> segments;
   const double duration_s = clip.motion->duration();
   for (const ListedSpan& span : spans) {
     if (!NamesClip(span, clip)) continue;
-    lines.push_back(span.line);
+    named = true;
     const auto seconds = [&](double place) {
       if (!span.in_frames) return place - BeginInRecording(clip);
       return (place - static_cast<double>(FirstRecordedFrame(clip))) / RecordedRate(clip).hz();
@@ -72,11 +68,10 @@ std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, st
     segment.end_s = std::min(segment.end_s, duration_s);
     segments.push_back(std::move(segment));
   }
-  if (lines.empty()) return lines;
+  if (!named) return;
   std::stable_sort(segments.begin(), segments.end(),
                    [](const Segment& a, const Segment& b) { return a.begin_s < b.begin_s; });
   clip.segments = std::move(segments);
-  return lines;
 }
 
 }  // namespace mocurate

@@ -26,13 +26,11 @@ Expected<std::vector<ListedSpan>> ListedSpans(const TrimOptions& options);
 /// Segment::origin of listed spans.
 inline constexpr const char* kListedOrigin = "listed";
 
-/// Whether a span names the clip: by its id, its id without frames, or its recording alone.
-bool NamesClip(const ListedSpan& span, const Clip& clip);
-
-/// Replaces the clip's segments by the spans that name it (origin "listed"); without any, it keeps its own. A span's
+/// Replaces the clip's segments by the spans that name it (by its id, its id without frames, or its recording alone;
+/// origin "listed"); without any, it keeps its own. A span's
 /// fine label becomes the segment's label and its label the category. Seconds and frames count from the recording's
 /// first frame, also where the clip begins later. Findings: "span_outside" of a span that ends after the clip (cut
-/// there) or has no frame of it (dropped, severity error). Returns the lines of the spans used.
-std::vector<int> ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings);
+/// there) or has no frame of it (dropped, severity error).
+void ApplySpans(const std::vector<ListedSpan>& spans, Clip& clip, std::vector<Finding>& findings);
 
 }  // namespace mocurate

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 #include "canon/frames/facing.h"
 #include "canon/splits/leaks.h"
+#include "canon/values/subset.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/table_text.h"
@@ -212,12 +212,6 @@ Status PutBack(std::vector<Row> rows, Dataset& dataset, AppliedReview& applied) 
   return {};
 }
 
-/// First frame of a clip, of its id "source/person/recording#begin-end".
-int BeginOf(const std::string& id) {
-  const std::size_t mark = id.rfind('#');
-  return mark == std::string::npos ? 0 : std::atoi(id.c_str() + mark + 1);
-}
-
 /// Findings follow the clips that were cut; findings of dropped clips are removed.
 void MoveFindings(Dataset& dataset, const AppliedReview& applied) {
   std::set<std::string> dropped;
@@ -231,7 +225,7 @@ void MoveFindings(Dataset& dataset, const AppliedReview& applied) {
     if (id != applied.new_ids.end() && now.count(id->second) > 0) {
       const ClipIdentity& identity = *now.at(id->second);
       const int frames = identity.end_frame - identity.begin_frame;
-      const int moved = identity.begin_frame - BeginOf(finding.clip);
+      const int moved = identity.begin_frame - FirstFrameOfId(finding.clip).value_or(0);
       if (finding.frame_end > finding.frame_begin) {
         finding.frame_begin = std::clamp(finding.frame_begin - moved, 0, frames);
         finding.frame_end = std::clamp(finding.frame_end - moved, 0, frames);

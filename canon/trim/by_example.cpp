@@ -111,25 +111,24 @@ void AddCandidates(const SampleMatrix& example, const SampleMatrix& recording, s
 double ConfidenceAt(double distance) { return 1.0 / (1.0 + std::pow(distance / kEvenDistance, kSteepness)); }
 
 /// The most confident that do not overlap, in order of time.
-std::vector<FoundSpan> ChooseSpans(std::vector<SpanCandidate> candidates) {
+std::vector<KeptSpan> ChooseSpans(std::vector<SpanCandidate> candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const SpanCandidate& a, const SpanCandidate& b) { return a.distance < b.distance; });
-  std::vector<FoundSpan> chosen;
+  std::vector<KeptSpan> chosen;
   for (const SpanCandidate& candidate : candidates) {
-    const bool overlaps = std::any_of(chosen.begin(), chosen.end(), [&](const FoundSpan& span) {
+    const bool overlaps = std::any_of(chosen.begin(), chosen.end(), [&](const KeptSpan& span) {
       return candidate.begin < span.end && span.begin < candidate.end;
     });
-    if (!overlaps)
-      chosen.push_back({candidate.begin, candidate.end, candidate.distance, ConfidenceAt(candidate.distance)});
+    if (!overlaps) chosen.push_back({candidate.begin, candidate.end, "", "", ConfidenceAt(candidate.distance)});
   }
-  std::sort(chosen.begin(), chosen.end(), [](const FoundSpan& a, const FoundSpan& b) { return a.begin < b.begin; });
+  std::sort(chosen.begin(), chosen.end(), [](const KeptSpan& a, const KeptSpan& b) { return a.begin < b.begin; });
   return chosen;
 }
 
 }  // namespace
 
-Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, const std::vector<Motion>& examples,
-                                               const Motion& recording) {
+Expected<std::vector<KeptSpan>> FindByExample(const ByExampleOptions& options, const std::vector<Motion>& examples,
+                                              const Motion& recording) {
   std::vector<SampleMatrix> marked;
   for (const Motion& example : examples) {
     if (!SameTree(*example.skeleton, *recording.skeleton)) {
@@ -148,8 +147,8 @@ Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, 
   const SampleMatrix features = ExampleFeatures(recording);
   std::vector<SpanCandidate> candidates;
   for (const SampleMatrix& example : marked) AddCandidates(example, features, candidates);
-  std::vector<FoundSpan> found;
-  for (const FoundSpan& span : ChooseSpans(std::move(candidates))) {
+  std::vector<KeptSpan> found;
+  for (const KeptSpan& span : ChooseSpans(std::move(candidates))) {
     if (span.confidence < options.min_confidence) continue;
     const bool joins = !found.empty() && (span.begin - found.back().end) / kExampleRateHz < options.join_gap_s;
     if (!joins) {
@@ -158,9 +157,8 @@ Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, 
     }
     found.back().end = span.end;
     found.back().confidence = std::max(found.back().confidence, span.confidence);
-    found.back().distance = std::min(found.back().distance, span.distance);
   }
-  for (FoundSpan& span : found) {
+  for (KeptSpan& span : found) {
     const auto frame = [&](int sample) {
       return static_cast<int>(std::lround(sample / kExampleRateHz * recording.rate.hz()));
     };
@@ -175,9 +173,10 @@ Expected<std::vector<KeptSpan>> SpansByExample(const ByExampleOptions& options,
                                                const Motion& recording) {
   std::vector<KeptSpan> spans;
   for (const auto& [label, motions] : examples) {
-    const auto found = FindByExample(options, motions, recording);
+    auto found = FindByExample(options, motions, recording);
     if (!found) return Forward(found);
-    for (const FoundSpan& span : *found) spans.push_back({span.begin, span.end, label, "", span.confidence});
+    for (KeptSpan& span : *found) span.label = label;
+    spans.insert(spans.end(), found->begin(), found->end());
   }
   std::stable_sort(spans.begin(), spans.end(),
                    [](const KeptSpan& a, const KeptSpan& b) { return a.confidence > b.confidence; });

@@ -11,14 +11,6 @@
 
 namespace mocurate {
 
-/// A span of a recording that is similar to the examples, frames [begin, end).
-struct FoundSpan {
-  int begin = 0;
-  int end = 0;
-  double distance = 0.0;    ///< to the nearest example, over the median of all parts of the recording
-  double confidence = 0.0;  ///< that the span shows the action, in [0, 1]
-};
-
 /// Other occurrences of an action with a few marked examples.
 ///
 /// Each example is aligned with every part of the recording by subsequence dynamic time warping (Mueller 2007), where a
@@ -28,10 +20,10 @@ struct FoundSpan {
 /// `min_confidence` are dropped; spans less than `join_gap_s` apart are merged, because an action may have more
 /// repetitions than an example.
 ///
-/// In order of time. Error kUsage without an example of at least two frames; kInconsistent where the trees of joints
-/// differ.
-Expected<std::vector<FoundSpan>> FindByExample(const ByExampleOptions& options, const std::vector<Motion>& examples,
-                                               const Motion& recording);
+/// In order of time, without labels; the confidence is that the span shows the action. Error kUsage without an example
+/// of at least two frames; kInconsistent where the trees of joints differ.
+Expected<std::vector<KeptSpan>> FindByExample(const ByExampleOptions& options, const std::vector<Motion>& examples,
+                                              const Motion& recording);
 
 /// FindByExample for several labels: where spans of two labels overlap the more confident one stays. In order of time,
 /// with the labels. Errors of FindByExample.

@@ -1,4 +1,4 @@
-#include "canon/trim/change_points.h"
+#include "canon/trim/trim.h"
 
 #include <algorithm>
 #include <cmath>

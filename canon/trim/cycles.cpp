@@ -1,4 +1,4 @@
-#include "canon/trim/cycles.h"
+#include "canon/trim/trim.h"
 
 #include <algorithm>
 #include <cmath>
@@ -154,7 +154,7 @@ double CycleSimilarity(const MovingPart& part, int a, int b, int c) {
 
 }  // namespace
 
-std::vector<Repetition> FindCycles(const CycleOptions& options, const Motion& motion) {
+std::vector<KeptSpan> FindCycles(const CycleOptions& options, const Motion& motion) {
   const BodyDescription body = DescribeBody(motion, kCycleRateHz, kCycleSmoothingS);
   const std::optional<MovingPart> part = FindMovingPart(body);
   if (!part) return {};
@@ -165,9 +165,9 @@ std::vector<Repetition> FindCycles(const CycleOptions& options, const Motion& mo
     return std::min(motion.frame_count(),
                     static_cast<int>(std::lround((part->begin + sample) / kCycleRateHz * motion.rate.hz())));
   };
-  std::vector<Repetition> repetitions;
+  std::vector<KeptSpan> repetitions;
   for (std::size_t k = 0; k + 1 < boundaries.size(); ++k) {
-    Repetition repetition{frame(boundaries[k]), frame(boundaries[k + 1]), period.lag > 0 ? 0.0 : period.ratio};
+    KeptSpan repetition{frame(boundaries[k]), frame(boundaries[k + 1]), "", "", period.lag > 0 ? 0.0 : period.ratio};
     if (k > 0) {
       const double similarity = CycleSimilarity(*part, boundaries[k - 1], boundaries[k], boundaries[k + 1]);
       repetition.confidence = std::max(repetition.confidence, similarity);

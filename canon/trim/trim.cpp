@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "canon/recipes/spans_file.h"
-#include "canon/trim/change_points.h"
-#include "canon/trim/cycles.h"
 #include "core/base/text.h"
 
 namespace mocurate {
@@ -82,8 +80,7 @@ std::vector<KeptSpan> MovingSpan(const TrimOptions& options, const Clip& clip, s
                       clip.fine_label};
   if (span.end - span.begin < motion.frame_count()) {
     findings.push_back(DroppedSpan(
-        clip, "still_frames", span.begin, span.end,
-        static_cast<double>(motion.frame_count() - (span.end - span.begin)),
+        clip, "still_frames", span.begin, span.end, static_cast<double>(motion.frame_count() - (span.end - span.begin)),
         "still frames at the ends were cut; the frames named here were kept", Severity::kInfo));
   }
   return {span};
@@ -96,9 +93,9 @@ std::vector<KeptSpan> ChangeSpans(const TrimOptions& options, const Clip& clip, 
     const ProposedSegment& segment = segments[i];
     if (segment.rest && !options.change_points.keep_rests) {
       const double length_s = clip.motion->rate.FrameTime(segment.end - segment.begin);
-      findings.push_back(DroppedSpan(
-          clip, "rest", segment.begin, segment.end, length_s,
-          "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false", Severity::kInfo));
+      findings.push_back(DroppedSpan(clip, "rest", segment.begin, segment.end, length_s,
+                                     "rest of " + RoundedText(length_s) + " s; trim.change_points.keep_rests is false",
+                                     Severity::kInfo));
       continue;
     }
     const double end_confidence = i + 1 < segments.size() ? segments[i + 1].confidence : 1.0;
@@ -109,9 +106,10 @@ std::vector<KeptSpan> ChangeSpans(const TrimOptions& options, const Clip& clip, 
 }
 
 std::vector<KeptSpan> CycleSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings) {
-  std::vector<KeptSpan> spans;
-  for (const Repetition& repetition : FindCycles(options.cycles, *clip.motion)) {
-    spans.push_back({repetition.begin, repetition.end, clip.label, clip.fine_label, repetition.confidence});
+  std::vector<KeptSpan> spans = FindCycles(options.cycles, *clip.motion);
+  for (KeptSpan& span : spans) {
+    span.label = clip.label;
+    span.fine_label = clip.fine_label;
   }
   if (spans.empty()) {
     findings.push_back(DroppedSpan(clip, "no_repetition", 0, clip.motion->frame_count(), 0.0,

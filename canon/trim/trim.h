@@ -39,6 +39,42 @@ inline constexpr double kSpeedWindow_s = 0.4;
 /// sqrt(F)).
 std::vector<double> FrameSpeeds(const Motion& motion, double window_s);
 
+/// A piece of a recording between two change points, frames [begin, end).
+struct ProposedSegment {
+  int begin = 0;
+  int end = 0;
+  bool rest = false;        ///< still, in the recording's most frequent still posture
+  double confidence = 1.0;  ///< probability that `begin` is a boundary; 1 for the first segment
+};
+
+/// Cuts a recording where the action changes, into the pieces that minimise
+///
+///   sum over the segments of  sum_t |phi(x_t) - mean|^2 / rate  +  sum over the boundaries of  penalty(t)
+///
+/// by dynamic programming (kernel change-point detection: Harchaoui and Cappe 2007, Arlot et al. 2019). phi is the
+/// feature map of a Gaussian kernel over the descriptions x_t at 25 Hz: the body's pose, the speed of each joint, and
+/// the distance from rest. The penalty is small at rest, where actions begin and end, and larger within a movement.
+/// Rest is stillness in the posture that most separate still moments share; a recording without such moments has a
+/// constant penalty. A rest shorter than `least_rest_s` becomes one boundary in its middle.
+///
+/// Segments in order, from the first frame to the last; empty for a motion without frames. Boundaries below
+/// `min_confidence` are dropped. Time is linear in the length: about 0.15 s for a minute at 120 Hz.
+std::vector<ProposedSegment> ProposeSegments(const ChangePointOptions& options, const Motion& motion);
+
+/// Cuts a recording of one exercise into its repetitions.
+///
+/// The moving part of the recording is compared with itself: d(lag) is the mean squared distance of the body's poses
+/// and velocities at times `lag` apart, over the half of the times that agree best. A period is a lag where d falls to
+/// at most half of the largest d of shorter lags (after Cutler and Davis 2000). Of several, the shortest that is nearly
+/// as good as the best is used, so that two repetitions do not count as one. Dynamic programming then places boundaries
+/// from the begin of the moving part to its end: repetitions about as long as the period, and similar to their
+/// neighbours.
+///
+/// Repetitions in order, from the first moving frame to the last one; a single one for a motion that is not periodic
+/// (confidence: the smallest ratio of d to the largest of shorter lags), none for one that never moves. Without labels;
+/// the confidence is the similarity to the adjacent repetitions.
+std::vector<KeptSpan> FindCycles(const CycleOptions& options, const Motion& motion);
+
 /// Spans to keep, in order. Every span that is dropped, and every cut of more than a frame, is a finding with its rule
 /// and value. May be empty.
 std::vector<KeptSpan> FindSpans(const TrimOptions& options, const Clip& clip, std::vector<Finding>& findings);

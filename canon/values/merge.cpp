@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "canon/splits/leaks.h"
-#include "canon/values/skeletons.h"
 #include "canon/values/subset.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
@@ -125,11 +124,11 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
           part_of_row[at] = own[row];
           decided_by[at] = p;
         } else if (part_of_row[at] != own[row]) {
-          findings.push_back(
-              MakeFinding("split_part_differs", Severity::kWarning, 2.0,
-                          "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " + parts[decided_by[at]].name +
-                              ", " + NameOfPart(own[row]) + " in " + parts[p].name + "; kept in the first",
-                          FindingAction::kKept, clips[at].id()));
+          findings.push_back(MakeFinding("split_part_differs", Severity::kWarning, 2.0,
+                                         "split '" + name + "': " + NameOfPart(part_of_row[at]) + " in " +
+                                             parts[decided_by[at]].name + ", " + NameOfPart(own[row]) + " in " +
+                                             parts[p].name + "; kept in the first",
+                                         FindingAction::kKept, clips[at].id()));
         }
       }
     }
@@ -142,8 +141,7 @@ Expected<std::vector<Split>> MergeSplits(const std::vector<MergePart>& parts, co
     }
     split.leak_check = CheckUnited(parts, splits, part_of_row, clips, *contents);
     if (split.leak_check.rfind("ok", 0) != 0) {
-      findings.push_back(
-          MakeFinding("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check));
+      findings.push_back(MakeFinding("split_leak", Severity::kError, 0.0, "split '" + name + "': " + split.leak_check));
     }
     united.push_back(std::move(split));
   }

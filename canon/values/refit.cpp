@@ -1,4 +1,4 @@
-#include "canon/values/refit.h"
+#include "canon/values/subset.h"
 
 #include <algorithm>
 #include <set>
@@ -40,9 +40,9 @@ Clip Refitted(const Clip& before, Clip fit) {
 
 }  // namespace
 
-RefittedDataset RefitDataset(Dataset before, Dataset fits, const std::map<std::string, std::string>& failed,
-                             const std::string& how) {
-  RefittedDataset refitted;
+ChangedDataset RefitDataset(Dataset before, Dataset fits, const std::map<std::string, std::string>& failed,
+                            const std::string& how) {
+  ChangedDataset refitted;
   std::map<std::string, Clip*> fit_of;
   for (Clip& clip : fits.clips) fit_of[clip.id()] = &clip;
   std::vector<bool> keep;

@@ -83,6 +83,10 @@ bool SameGroup(const std::string& group, const Dataset& before, const Dataset& m
   return below(before) == below(made);
 }
 
+/// The fields that all files have alike. Rows of clips and frames follow their clips. Dropped is a field that some file
+/// lacks, that cannot be read, or that no longer fits: frames, clips or joints changed, or the group that it stands in;
+/// one of the whole set also where the files' values differ. `repeated`: clips of several files, each with the origin
+/// that was taken; their values must be equal. Frames of `made` are not looked at, but their numbers.
 class FieldKeeper {
  public:
   FieldKeeper(const Dataset& made, const std::vector<ClipOrigin>& origins,
@@ -233,16 +237,6 @@ class FieldKeeper {
   KeptFields kept_;
 };
 
-/// The fields that all files have alike. Rows of clips and frames follow their clips. Dropped is a field that some file
-/// lacks, that cannot be read, or that no longer fits: frames, clips or joints changed, or the group that it stands in;
-/// one of the whole set also where the files' values differ. `repeated`: clips of several files, each with the origin
-/// that was taken; their values must be equal. Frames of `made` are not looked at, but their numbers.
-KeptFields KeepFields(const Dataset& made, const std::vector<ClipOrigin>& origins,
-                      const std::vector<std::pair<ClipOrigin, ClipOrigin>>& repeated,
-                      const std::vector<DatasetFile>& files) {
-  return FieldKeeper(made, origins, repeated, files).Keep();
-}
-
 /// The last `count` parts of a path.
 std::string EndOf(const fs::path& path, std::size_t count) {
   std::vector<fs::path> parts(path.begin(), path.end());
@@ -301,7 +295,7 @@ std::vector<ClipOrigin> WholeClips(const std::vector<DatasetFile>& files) {
 Expected<std::vector<Finding>> WriteFromFiles(Dataset& made, const std::vector<ClipOrigin>& origins,
                                               const std::vector<DatasetFile>& files, const fs::path& to,
                                               const std::vector<std::pair<ClipOrigin, ClipOrigin>>& repeated) {
-  KeptFields kept = KeepFields(made, origins, repeated, files);
+  KeptFields kept = FieldKeeper(made, origins, repeated, files).Keep();
   made.findings.insert(made.findings.end(), kept.findings.begin(), kept.findings.end());
   const auto has_frames = [](const Clip& clip) { return !clip.motion->joints.empty(); };
   std::vector<std::uint8_t> optional_fields;

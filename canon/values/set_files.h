@@ -38,7 +38,7 @@ std::vector<ClipOrigin> WholeClips(const std::vector<DatasetFile>& files);
 
 /// Writes a dataset whose clips come from files, one at a time. Frames are those of `made`, or where it has none, of
 /// the files. Skeletons, rates and bone lengths are those of `made`. Fields that the format does not name follow as
-/// KeepFields does it. Returns the findings about those that are dropped, which `made` gets as well. Errors of
+/// FieldKeeper does it. Returns the findings about those that are dropped, which `made` gets as well. Errors of
 /// DatasetWriter and DatasetClips::Read.
 Expected<std::vector<Finding>> WriteFromFiles(Dataset& made, const std::vector<ClipOrigin>& origins,
                                               const std::vector<DatasetFile>& files, const std::filesystem::path& to,

@@ -1,4 +1,4 @@
-#include "canon/values/skeletons.h"
+#include "canon/values/merge.h"
 
 #include <algorithm>
 #include <cmath>

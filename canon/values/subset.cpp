@@ -13,14 +13,7 @@
 namespace mocurate {
 namespace {
 
-/// Frames of an id "source/person/recording#begin-end"; no begin where the id has none.
-std::optional<int> SpanBegin(const std::string& id) {
-  const std::size_t hash = id.rfind('#');
-  if (hash == std::string::npos) return std::nullopt;
-  const auto begin = ParseInteger(std::string_view(id).substr(hash + 1, id.find('-', hash) - hash - 1));
-  return begin ? std::optional<int>(static_cast<int>(*begin)) : std::nullopt;
-}
-
+/// The frame after the last of a clip, of its id; 0 where the id has no frames.
 int SpanEnd(const std::string& id) {
   const std::size_t dash = id.find('-', id.rfind('#') == std::string::npos ? 0 : id.rfind('#'));
   return dash == std::string::npos ? 0
@@ -34,12 +27,42 @@ std::string TestCountsText(const std::vector<std::pair<std::string, std::size_t>
   return text + " of " + Counted(static_cast<long long>(clips), "clip");
 }
 
+/// Removes labels and fine labels without a clip; the others are renumbered.
+void DropEmptyLabels(Dataset& dataset) {
+  std::set<std::string> used, used_fine;
+  for (const Clip& clip : dataset.clips) {
+    used.insert(clip.label);
+    used_fine.insert(clip.fine_label);
+  }
+  std::vector<std::string> labels;
+  std::vector<int> new_class(dataset.labels.size(), -1);
+  for (std::size_t i = 0; i < dataset.labels.size(); ++i) {
+    if (used.count(dataset.labels[i]) == 0) continue;
+    new_class[i] = static_cast<int>(labels.size());
+    labels.push_back(dataset.labels[i]);
+  }
+  std::vector<FineLabel> fine_labels;
+  for (const FineLabel& fine : dataset.fine_labels) {
+    const int parent = new_class[static_cast<std::size_t>(fine.parent)];
+    if (parent >= 0 && used_fine.count(fine.name) > 0) fine_labels.push_back({fine.name, parent});
+  }
+  dataset.labels = std::move(labels);
+  dataset.fine_labels = std::move(fine_labels);
+}
+
 }  // namespace
+
+std::optional<int> FirstFrameOfId(const std::string& id) {
+  const std::size_t hash = id.rfind('#');
+  if (hash == std::string::npos) return std::nullopt;
+  const auto begin = ParseInteger(std::string_view(id).substr(hash + 1, id.find('-', hash) - hash - 1));
+  return begin ? std::optional<int>(static_cast<int>(*begin)) : std::nullopt;
+}
 
 bool IsAbout(const Finding& finding, const Clip& clip) {
   if (finding.clip == clip.id()) return true;
   if (RecordingOf(finding.clip) != RecordingOf(clip.id())) return false;
-  const auto begin = SpanBegin(finding.clip);
+  const auto begin = FirstFrameOfId(finding.clip);
   if (!begin) return true;
   const ClipIdentity& identity = clip.identity;
   const bool whole = *begin <= identity.begin_frame && SpanEnd(finding.clip) >= identity.end_frame;
@@ -115,29 +138,8 @@ void AddToRecipe(const std::string& line, Dataset& dataset) {
   dataset.recipe += line + '\n';
 }
 
-void DropEmptyLabels(Dataset& dataset) {
-  std::set<std::string> used, used_fine;
-  for (const Clip& clip : dataset.clips) {
-    used.insert(clip.label);
-    used_fine.insert(clip.fine_label);
-  }
-  std::vector<std::string> labels;
-  std::vector<int> new_class(dataset.labels.size(), -1);
-  for (std::size_t i = 0; i < dataset.labels.size(); ++i) {
-    if (used.count(dataset.labels[i]) == 0) continue;
-    new_class[i] = static_cast<int>(labels.size());
-    labels.push_back(dataset.labels[i]);
-  }
-  std::vector<FineLabel> fine_labels;
-  for (const FineLabel& fine : dataset.fine_labels) {
-    const int parent = new_class[static_cast<std::size_t>(fine.parent)];
-    if (parent >= 0 && used_fine.count(fine.name) > 0) fine_labels.push_back({fine.name, parent});
-  }
-  dataset.labels = std::move(labels);
-  dataset.fine_labels = std::move(fine_labels);
-}
-
-Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, const SubsetOptions& options) {
+Expected<ChangedDataset> SubsetOf(Dataset dataset, const Condition& condition, const std::string& name,
+                                  bool drop_empty_labels) {
   const auto holds = condition.Holds(dataset);
   if (!holds) return Forward(holds);
   const auto count = static_cast<std::size_t>(std::count(holds->begin(), holds->end(), true));
@@ -149,15 +151,15 @@ Expected<DatasetSubset> SubsetOf(Dataset dataset, const Condition& condition, co
       if (unknown.nearest) nearest += (nearest.empty() ? "" : ", ") + unknown.value + " -> " + *unknown.nearest;
     }
     return Fail(ErrorCode::kInconsistent, "the condition matches no clip; " + TestCountsText(*counts, holds->size()),
-                options.name, nearest.empty() ? "widen the condition" : "did you mean: " + nearest);
+                name, nearest.empty() ? "widen the condition" : "did you mean: " + nearest);
   }
   const std::vector<Split> before = dataset.splits;
-  DatasetSubset subset;
+  ChangedDataset subset;
   subset.rows = KeepRows(*holds, dataset);
   if (count < holds->size()) NoteEarlierChecks("clips were chosen", dataset);
   subset.findings = FindEmptyParts(before, dataset.splits);
-  if (options.drop_empty_labels) DropEmptyLabels(dataset);
-  AddToRecipe("subset of " + options.name + ": " + std::to_string(count) + " of " +
+  if (drop_empty_labels) DropEmptyLabels(dataset);
+  AddToRecipe("subset of " + name + ": " + std::to_string(count) + " of " +
                   Counted(static_cast<long long>(holds->size()), "clip") + " where " + condition.text(),
               dataset);
   dataset.created_by = CreatedBy();

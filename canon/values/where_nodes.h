@@ -18,8 +18,6 @@ struct ConditionField {
   const char* argument;  ///< name of the argument in brackets; null: no argument
 };
 
-const std::vector<ConditionField>& ConditionFields();
-
 struct Condition::Node {
   enum class Kind { kOr, kAnd, kNot, kTest };
   enum class Test { kEqual, kNotEqual, kLess, kLessEqual, kGreater, kGreaterEqual, kMatches, kIn, kNotIn };
@@ -34,10 +32,6 @@ struct Condition::Node {
   std::shared_ptr<const regex_t> pattern;  ///< of kMatches
   std::size_t begin = 0, end = 0;          ///< byte range of the test in the condition's text
 };
-
-/// A POSIX extended regular expression. Error kUsage without a place for an invalid expression, and for those with
-/// unbounded time or memory: back references and large or nested counts.
-Expected<std::shared_ptr<const regex_t>> CompilePattern(const std::string& text);
 
 /// Column of a byte, counted from 1 in characters.
 std::size_t ColumnOf(const std::string& text, std::size_t byte);

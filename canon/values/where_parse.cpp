@@ -19,6 +19,70 @@ constexpr std::pair<const char*, Node::Test> kTests[] = {
     {"<=", Node::Test::kLessEqual}, {"<", Node::Test::kLess},      {">=", Node::Test::kGreaterEqual},
     {">", Node::Test::kGreater}};
 
+// glibc copies what + and {counts} repeat, and stores for each copy its successors: without a limit, 60 bytes of
+// pattern use gigabytes.
+constexpr std::size_t kLongestPattern = 128;  // bytes
+constexpr double kMostCopies = 64.0;
+
+/// Maximum copies of a part of a pattern by nested + and {counts}; empty for back references.
+std::optional<double> CopiesOf(const std::string& pattern) {
+  double copies = 1.0;
+  for (std::size_t at = 0; at < pattern.size(); ++at) {
+    if (pattern[at] == '\\') {
+      ++at;
+      if (at < pattern.size() && pattern[at] >= '1' && pattern[at] <= '9') return std::nullopt;
+    } else if (pattern[at] == '+') {
+      copies *= 2.0;
+    } else if (pattern[at] == '{') {
+      double most = 0.0, count = 0.0;
+      for (++at; at < pattern.size() && pattern[at] != '}'; ++at) {
+        const char c = pattern[at];
+        count = c >= '0' && c <= '9' ? 10.0 * count + (c - '0') : 0.0;
+        most = std::max(most, count);
+      }
+      copies *= most + 1.0;
+    }
+  }
+  return copies;
+}
+
+/// A POSIX extended regular expression. Error kUsage without a place for an invalid expression, and for those with
+/// unbounded time or memory: back references and large or nested counts.
+Expected<std::shared_ptr<const regex_t>> CompilePattern(const std::string& text) {
+  const auto copies = CopiesOf(text);
+  if (!copies) return Fail(ErrorCode::kUsage, "a regular expression with back references is refused");
+  if (text.size() > kLongestPattern || !(*copies <= kMostCopies)) {
+    return Fail(ErrorCode::kUsage,
+                "the regular expression is too large: " + std::to_string(text.size()) + " bytes of at most " +
+                    std::to_string(kLongestPattern) + ", + and {counts} make " + RoundedText(*copies) +
+                    " copies of at most " + RoundedText(kMostCopies),
+                "use * instead of +, or join two tests by 'and'");
+  }
+  auto pattern = std::make_unique<regex_t>();
+  if (const int failed = ::regcomp(pattern.get(), text.c_str(), REG_EXTENDED | REG_NOSUB); failed != 0) {
+    char reason[200] = {};
+    ::regerror(failed, pattern.get(), reason, sizeof reason);
+    return Fail(ErrorCode::kUsage, "'" + text + "' is not a regular expression: " + reason,
+                "POSIX extended: . [a-z] * + ? {2,3} ( | ) ^ $");
+  }
+  return std::shared_ptr<const regex_t>(pattern.release(), [](const regex_t* compiled) {
+    ::regfree(const_cast<regex_t*>(compiled));
+    delete compiled;
+  });
+}
+
+const std::vector<ConditionField>& ConditionFields() {
+  static const std::vector<ConditionField> fields = {
+      {"id", true, nullptr},       {"label", true, nullptr},       {"fine_label", true, nullptr},
+      {"person", true, nullptr},   {"recording", true, nullptr},   {"session", true, nullptr},
+      {"view", true, nullptr},     {"source", true, nullptr},      {"role", true, nullptr},
+      {"licence", true, nullptr},  {"part", true, "SPLIT"},        {"provenance", true, "KEY"},
+      {"frames", false, nullptr},  {"seconds", false, nullptr},    {"rate", false, nullptr},
+      {"fit_rms", false, nullptr}, {"confidence", false, nullptr}, {"findings", false, "CODE"},
+      {"segments", false, "LABEL"}};
+  return fields;
+}
+
 struct Token {
   enum class Kind { kWord, kQuoted, kSign, kEnd };
   Kind kind = Kind::kEnd;
@@ -237,18 +301,6 @@ class ConditionParser {
 };
 
 }  // namespace
-
-const std::vector<ConditionField>& ConditionFields() {
-  static const std::vector<ConditionField> fields = {
-      {"id", true, nullptr},       {"label", true, nullptr},       {"fine_label", true, nullptr},
-      {"person", true, nullptr},   {"recording", true, nullptr},   {"session", true, nullptr},
-      {"view", true, nullptr},     {"source", true, nullptr},      {"role", true, nullptr},
-      {"licence", true, nullptr},  {"part", true, "SPLIT"},        {"provenance", true, "KEY"},
-      {"frames", false, nullptr},  {"seconds", false, nullptr},    {"rate", false, nullptr},
-      {"fit_rms", false, nullptr}, {"confidence", false, nullptr}, {"findings", false, "CODE"},
-      {"segments", false, "LABEL"}};
-  return fields;
-}
 
 std::size_t ColumnOf(const std::string& text, std::size_t byte) {
   const auto begin = text.begin(), end = begin + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));

@@ -149,7 +149,6 @@ Expected<ListedSpan> SpanOfRow(const SpanColumns& columns, std::string_view line
   span.label = cell(columns.label);
   if (columns.fine_label >= 0) span.fine_label = cell(columns.fine_label);
   span.in_frames = columns.in_frames;
-  span.line = reader.number();
   span.place = reader.Place();
   const auto begin = ParseDouble(cell(columns.begin)), end = ParseDouble(cell(columns.end));
   if (span.clip.empty()) return reader.Bad("the row names no clip", "write source/person/recording, or its recording");
@@ -191,7 +190,6 @@ Expected<ListedSpan> SpanOfName(std::string_view line, const LineReader& reader)
   span.in_frames = true;
   span.label = code->label;
   span.fine_label = code->fine_label;
-  span.line = reader.number();
   span.place = reader.Place();
   return span;
 }

@@ -16,7 +16,6 @@ struct ListedSpan {
   bool in_frames = false;  ///< of the recording, counted from 0; else seconds from its first frame
   std::string label;
   std::string fine_label;
-  int line = 0;       ///< of the file, from 1
   std::string place;  ///< "file:line", for messages
 };
 

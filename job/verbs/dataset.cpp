@@ -233,7 +233,7 @@ Status DatasetSubsetVerb(CommonArguments& common, const DatasetArguments& argume
   const auto files = OpenDatasetFiles({arguments.path});
   if (!files) return Forward(files);
   const Dataset& whole = files->front().outline;
-  auto subset = SubsetOf(whole, *condition, {files->front().name, arguments.drop_empty_labels});
+  auto subset = SubsetOf(whole, *condition, files->front().name, arguments.drop_empty_labels);
   if (!subset) return Forward(subset);
   for (const Condition::UnknownValue& unknown : condition->FindUnknownValues(whole)) {
     LogWarning("--where: no clip has the " + unknown.field + " '" + unknown.value + "'" +

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "canon/recipes/classes.h"
-#include "canon/values/refit.h"
 #include "canon/values/set_files.h"
+#include "canon/values/subset.h"
 #include "core/base/file.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
@@ -340,7 +340,7 @@ Expected<Dataset> WriteRefitted(const fs::path& path, Dataset fits, const JobOpt
     const ItemResult* ended = clip.ended();
     failed[clip.item] = ended == nullptr ? "it was not fitted" : ended->outcome.error.Message();
   }
-  RefittedDataset refitted = RefitDataset(files->front().outline, std::move(fits), failed, HowText(options));
+  ChangedDataset refitted = RefitDataset(files->front().outline, std::move(fits), failed, HowText(options));
   const auto dropped = WriteFromFiles(refitted.dataset, WholeClips(refitted.rows, *files), *files, output);
   if (!dropped) return Forward(dropped);
   findings.insert(findings.end(), refitted.findings.begin(), refitted.findings.end());

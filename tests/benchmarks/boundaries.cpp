@@ -15,8 +15,6 @@
 #include <set>
 
 #include "canon/trim/by_example.h"
-#include "canon/trim/change_points.h"
-#include "canon/trim/cycles.h"
 #include "canon/trim/trim.h"
 #include "core/base/text.h"
 #include "core/formats/depth_sequence.h"
@@ -309,9 +307,9 @@ void JudgeLabel(const Recordings& recordings, const std::string& label, bool by_
     auto found = FindByExample(options, examples, recordings[r].motion);
     if (!found) continue;
     std::sort(found->begin(), found->end(),
-              [](const FoundSpan& a, const FoundSpan& b) { return a.confidence > b.confidence; });
+              [](const KeptSpan& a, const KeptSpan& b) { return a.confidence > b.confidence; });
     std::set<std::size_t> taken;
-    for (const FoundSpan& span : *found) {
+    for (const KeptSpan& span : *found) {
       const double begin_s = recordings[r].motion.rate.FrameTime(span.begin);
       const double end_s = recordings[r].motion.rate.FrameTime(span.end);
       bool right = false, of_example = false;

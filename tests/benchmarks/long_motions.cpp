@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "canon/trim/body_description.h"
-#include "canon/trim/cycles.h"
+#include "canon/trim/trim.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/operations.h"
@@ -162,7 +162,7 @@ void CycleTable(const std::vector<Chain>& chains, const std::vector<std::string>
         ++segments;
         if (segment.motion.duration() < kLeastCycleS) continue;
         ++long_enough;
-        const std::vector<Repetition> repetitions = FindCycles({}, segment.motion);
+        const std::vector<KeptSpan> repetitions = FindCycles({}, segment.motion);
         if (repetitions.size() < 2 || OwnMovement(segment.motion) < kLeastMovement) continue;
         periods.push_back(segment.motion.rate.FrameTime(repetitions.back().end - repetitions.front().begin) /
                           static_cast<double>(repetitions.size()));

@@ -10,7 +10,7 @@
 
 #include "canon/options.h"
 #include "canon/stages.h"
-#include "canon/values/skeletons.h"
+#include "canon/values/merge.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "tests/canon/moving_clips.h"

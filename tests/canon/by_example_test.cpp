@@ -37,7 +37,7 @@ std::vector<std::pair<std::size_t, Segment>> Occurrences(const std::vector<LongR
   return found;
 }
 
-bool HalfOverlaps(const FoundSpan& span, const Segment& segment, FrameRate rate) {
+bool HalfOverlaps(const KeptSpan& span, const Segment& segment, FrameRate rate) {
   const double begin_s = rate.FrameTime(span.begin), end_s = rate.FrameTime(span.end);
   const double both = std::min(end_s, segment.end_s) - std::max(begin_s, segment.begin_s);
   return both > 0.5 * (std::max(end_s, segment.end_s) - std::min(begin_s, segment.begin_s));
@@ -60,7 +60,7 @@ TEST(ByExample, ThreeExamplesFindTheOtherOccurrences) {
       for (const auto& [at, segment] : occurrences) {
         if (at != r) continue;
         ++truth;
-        for (const FoundSpan& span : *found) found_right += HalfOverlaps(span, segment, FrameRate{30, 1}) ? 1 : 0;
+        for (const KeptSpan& span : *found) found_right += HalfOverlaps(span, segment, FrameRate{30, 1}) ? 1 : 0;
       }
       for (std::size_t i = 0; i < found->size(); ++i) {
         EXPECT_GE((*found)[i].confidence, ByExampleOptions().min_confidence);
@@ -85,7 +85,7 @@ TEST(ByExample, AnExampleIsFoundInItsOwnRecordingTurnedAndAtAnotherRate) {
   const Clip slow = Resample(turned, FrameRate{30, 1});
   const auto found = FindByExample({}, {example}, *slow.motion);
   ASSERT_TRUE(found) << found.error().Message();
-  EXPECT_TRUE(std::any_of(found->begin(), found->end(), [&](const FoundSpan& span) {
+  EXPECT_TRUE(std::any_of(found->begin(), found->end(), [&](const KeptSpan& span) {
     return span.confidence > 0.9 && std::abs(span.begin / 30.0 - segment.begin_s) < 0.2 &&
            std::abs(span.end / 30.0 - segment.end_s) < 0.2;
   }));

@@ -1,7 +1,5 @@
 // A recording is cut where the action changes, independent of the person's position and the rate.
 
-#include "canon/trim/change_points.h"
-
 #include <gtest/gtest.h>
 
 #include "canon/trim/trim.h"

@@ -1,7 +1,5 @@
 // An exercise is cut into its repetitions; what is not repeated stays whole.
 
-#include "canon/trim/cycles.h"
-
 #include <gtest/gtest.h>
 
 #include "canon/trim/trim.h"

@@ -30,7 +30,7 @@ MergePart PartOf(const std::string& name, const Dataset& dataset) {
 }
 
 Dataset Where(const std::string& condition, const Dataset& dataset = SixClips()) {
-  return SubsetOf(dataset, *Condition::Parse(condition), {"whole.h5", false})->dataset;
+  return SubsetOf(dataset, *Condition::Parse(condition), "whole.h5")->dataset;
 }
 
 Expected<MergedDataset> Merge(const std::vector<Dataset>& datasets) {

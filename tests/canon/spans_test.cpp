@@ -16,7 +16,6 @@ ListedSpan Listed(const std::string& clip, double begin, double end, bool in_fra
   span.end = end;
   span.in_frames = in_frames;
   span.label = "walk";
-  span.line = 2;
   return span;
 }
 
@@ -26,13 +25,13 @@ TEST(ListedSpans, ReplaceTheSegmentsOfTheClipsThatTheyName) {
   std::vector<Finding> findings;
   for (const std::string& name : {clip.identity.recording, "test/p1/" + clip.identity.recording, clip.id()}) {
     Clip marked = clip;
-    EXPECT_EQ(ApplySpans({Listed(name, 0.5, 1.5)}, marked, findings), std::vector<int>{2});
+    ApplySpans({Listed(name, 0.5, 1.5)}, marked, findings);
     ASSERT_EQ(marked.segments.size(), 1u);
     EXPECT_EQ(marked.segments[0].label, "walk");
     EXPECT_NEAR(marked.segments[0].begin_s, 0.5, 1e-12);
   }
   Clip other = clip;
-  EXPECT_TRUE(ApplySpans({Listed("elsewhere", 0, 1)}, other, findings).empty());
+  ApplySpans({Listed("elsewhere", 0, 1)}, other, findings);
   EXPECT_EQ(other.segments[0].label, "old");
   EXPECT_TRUE(findings.empty());
 }

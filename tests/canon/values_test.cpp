@@ -138,7 +138,7 @@ TEST(Where, KnowsValuesThatNoClipHas) {
 }
 
 TEST(Subset, KeepsPartsLabelsAndFindingsOfTheClipsThatStay) {
-  const auto subset = SubsetOf(SixClips(), *Condition::Parse("person in [p1, p3] and label != ''"), {"six.h5", false});
+  const auto subset = SubsetOf(SixClips(), *Condition::Parse("person in [p1, p3] and label != ''"), "six.h5");
   ASSERT_TRUE(subset) << subset.error().Message();
   EXPECT_THAT(subset->rows, ElementsAre(0, 1, 4));
   const Dataset& dataset = subset->dataset;
@@ -150,13 +150,13 @@ TEST(Subset, KeepsPartsLabelsAndFindingsOfTheClipsThatStay) {
               ElementsAre("position_jump", "position_jump", "empty_part", "empty_part"));
   EXPECT_THAT(dataset.fine_labels, SizeIs(2));
 
-  const auto closed = SubsetOf(SixClips(), *Condition::Parse("label == b"), {"six.h5", true});
+  const auto closed = SubsetOf(SixClips(), *Condition::Parse("label == b"), "six.h5", true);
   ASSERT_TRUE(closed);
   EXPECT_THAT(closed->dataset.labels, ElementsAre("b"));
   ASSERT_THAT(closed->dataset.fine_labels, SizeIs(1));
   EXPECT_EQ(closed->dataset.fine_labels[0].parent, 0);
 
-  const auto none = SubsetOf(SixClips(), *Condition::Parse("label == a and frames > 100"), {"six.h5", false});
+  const auto none = SubsetOf(SixClips(), *Condition::Parse("label == a and frames > 100"), "six.h5");
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::kInconsistent);
   const auto counts = Condition::Parse("label == a and frames > 100")->CountTests(SixClips());

@@ -23,7 +23,7 @@ TEST(SpanTable, ReadsColumnsInAnyOrder) {
   EXPECT_EQ((*spans)[0].begin, 0.5);
   EXPECT_EQ((*spans)[0].end, 2.5);
   EXPECT_FALSE((*spans)[0].in_frames);
-  EXPECT_EQ((*spans)[0].line, 3);
+  EXPECT_EQ((*spans)[0].place, "spans.csv:3");
   EXPECT_EQ((*spans)[1].label, "sit \"down\"");
   const auto frames = ParseSpanTable("clip,begin_frame,end_frame,label,fine_label\nr1,10,20,a,a1\n", "spans.csv");
   ASSERT_TRUE(frames) << frames.error().Message();
