@@ -3,7 +3,6 @@
 #include <map>
 
 #include "canon/audit/audit.h"
-#include "canon/audit/label_noise.h"
 #include "canon/options.h"
 #include "canon/review/review.h"
 #include "canon/splits/leaks.h"
@@ -54,11 +53,13 @@ Expected<std::vector<AuditFinding>> LabelFindings(const Dataset& dataset, const 
         judged.suspect ? dataset.labels[static_cast<std::size_t>(judged.suggested)] : std::string();
     const std::string resembles = judged.suspect ? "'" + near + "' (margin " + RoundedText(judged.margin, 2) + ")"
                                                  : "no class that other people perform";
-    findings.push_back({MakeFinding(judged.suspect ? "label_suspect" : "fits_no_class",
-                                    judged.suspect ? Severity::kWarning : Severity::kInfo, judged.margin,
-                                    "labelled '" + clip.label + "', resembles " + resembles,
-                                    FindingAction::kFlagged, clip.id()),
-                        near, "", {}});
+    findings.push_back(
+        {MakeFinding(judged.suspect ? "label_suspect" : "fits_no_class",
+                     judged.suspect ? Severity::kWarning : Severity::kInfo, judged.margin,
+                     "labelled '" + clip.label + "', resembles " + resembles, FindingAction::kFlagged, clip.id()),
+         near,
+         "",
+         {}});
     findings.back().finding.frame_end = clip.motion->frame_count();
   }
   std::stable_sort(findings.begin(), findings.end(),
@@ -102,7 +103,9 @@ void AddStatedLeaks(const Dataset& dataset, std::vector<AuditFinding>& findings)
     findings.push_back({MakeFinding("split_leak", Severity::kWarning, 0.0,
                                     "split '" + split.name + "' states '" + split.leak_check +
                                         "'; its clips do not show it: assemble the dataset again"),
-                        "", "", {}});
+                        "",
+                        "",
+                        {}});
   }
 }
 

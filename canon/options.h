@@ -211,7 +211,7 @@ struct AssembleOptions {
   void Declare(OptionVisitor& v);
 };
 
-/// Search for label errors (canon/audit/label_noise.h). Measured on KARD with 3 and 10 % of the labels exchanged, 20
+/// Search for label errors (canon/audit/audit.h). Measured on KARD with 3 and 10 % of the labels exchanged, 20
 /// draws each: docs/audited_sets.md.
 struct LabelNoiseOptions {
   bool enabled = true;

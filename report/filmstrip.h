@@ -42,8 +42,7 @@ struct Viewpoint {
 Viewpoint FrontView(const Motion& motion);
 
 /// Frames of stills, evenly spread, first and last included.
-constexpr int kStills = 8;
-std::vector<int> StillFrames(int frame_count, int stills = kStills);
+std::vector<int> StillFrames(int frame_count, int stills = 8);
 
 /// Stick figures side by side: tracked points grey, where there are `tracks`; the motion in colour, where `bones`. Both
 /// are at the same positions.

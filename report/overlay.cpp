@@ -91,6 +91,18 @@ void DrawBones(const Motion& motion, int frame, const Camera& camera, cv::Mat& i
   }
 }
 
+/// Joint of the skeleton for each keypoint; -1 for points that are not joints.
+std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names) {
+  const bool face = std::find(names.begin(), names.end(), "nose") != names.end();
+  std::vector<int> joints;
+  for (const std::string& name : names) {
+    const auto joint = skeleton.FindJoint(name);
+    // Beside a face, a detector's neck is the middle between the shoulders.
+    joints.push_back(joint && !(face && name == "neck") ? *joint : -1);
+  }
+  return joints;
+}
+
 }  // namespace
 
 int ViewCount(const Evidence& evidence) {
@@ -218,17 +230,6 @@ Expected<cv::Mat> ViewPainter::Draw(int frame) const {
   DrawBones(*fitted_->motion, frame, camera_, image);
   DrawKeypoints(frame, image);
   return image;
-}
-
-std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names) {
-  const bool face = std::find(names.begin(), names.end(), "nose") != names.end();
-  std::vector<int> joints;
-  for (const std::string& name : names) {
-    const auto joint = skeleton.FindJoint(name);
-    // Beside a face, a detector's neck is the middle between the shoulders.
-    joints.push_back(joint && !(face && name == "neck") ? *joint : -1);
-  }
-  return joints;
 }
 
 int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view) {

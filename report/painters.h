@@ -82,8 +82,6 @@ struct SeenPerson {
 SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence, int keypoint_view, int image);
 /// The image of a keypoint view nearest in time to a frame of the clip; -1 when none is within half a frame.
 int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view);
-/// Joint of the skeleton for each keypoint; -1 for points that are not joints.
-std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names);
 
 /// The fitted body from its front, the tracked points before it, time below.
 class FrontPainter {

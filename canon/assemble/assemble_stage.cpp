@@ -138,8 +138,8 @@ Expected<StageOutcome> AssembleStage(const StageRequest& request) {
   const nlohmann::json excluded = ExcludedFromSet(item_of, dataset.clips, outcome.findings);
   outcome.findings.insert(outcome.findings.end(), reviewed.begin(), reviewed.end());
   FindMixedRates(dataset, outcome.findings);
-  for (Finding& finding : FindEmptyClasses(*options, dataset)) outcome.findings.push_back(std::move(finding));
-  for (Finding& finding : CompareWithExpected(*options, dataset)) outcome.findings.push_back(std::move(finding));
+  FindEmptyClasses(*options, dataset, outcome.findings);
+  CompareWithExpected(*options, dataset, outcome.findings);
 
   outcome.summary = {
       {"clips", dataset.clips.size()}, {"labels", dataset.labels.size()}, {"splits", nlohmann::json::array()}};

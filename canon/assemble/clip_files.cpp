@@ -10,9 +10,10 @@ namespace {
 /// Files come sorted by item, so clips of a person are rarely further apart than this many persons.
 constexpr std::size_t kSkeletons = 256;
 
-}  // namespace
-
+/// Whether a clip of a set has its frames in memory.
 bool HasFrames(const Clip& clip) { return !clip.motion->joints.empty(); }
+
+}  // namespace
 
 /// Clips of one person have equal skeletons, each from its own file: one of them is kept.
 SkeletonPtr ClipFiles::Shared(SkeletonPtr skeleton) {

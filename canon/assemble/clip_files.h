@@ -51,7 +51,4 @@ class ClipFiles {
   std::optional<std::pair<std::size_t, DatasetClips>> opened_;  ///< the file read last, checked in full
 };
 
-/// Whether a clip of a set has its frames in memory.
-bool HasFrames(const Clip& clip);
-
 }  // namespace mocurate

@@ -5,6 +5,7 @@
 
 #include "canon/options.h"
 #include "core/base/finding.h"
+#include "core/store/feature_file.h"
 #include "core/store/store.h"
 
 namespace mocurate {
@@ -74,5 +75,30 @@ struct NearestNeighbourResult {
 };
 
 NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split);
+
+/// Folds of clips, no person in two: persons are distributed over at most ten. With fewer than three persons,
+/// clips are drawn into five. (N)
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows);
+
+/// Whether the label of a clip is suspect, and by how much.
+struct JudgedLabel {
+  double margin = 0.0;  ///< score of its own class minus the best other one; sorted ascending
+  int suggested = -1;   ///< that other class
+  bool suspect = false;
+  bool fits_none = false;  ///< every class scores less than 15 % of its mean own score
+};
+
+/// Judged rows of a dataset with more than one class; all empty where there is nothing to compare (fewer than two
+/// classes or four clips).
+struct LabelAudit {
+  std::vector<int> rows;               ///< of the dataset
+  std::vector<JudgedLabel> judged;     ///< of each
+  std::vector<std::string> unchecked;  ///< classes performed by a single person
+};
+LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options);
+/// The same from another classifier's logits, their mean over passes. Error kInconsistent where the features match no
+/// clip of the dataset, or none of its labels.
+Expected<LabelAudit> AuditLabelsBy(const FeatureSet& features, const Dataset& dataset,
+                                   const LabelNoiseOptions& options);
 
 }  // namespace mocurate

@@ -1,4 +1,4 @@
-#include "canon/audit/label_noise.h"
+#include "canon/audit/audit.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -66,8 +66,9 @@ double MedianDistance(const Eigen::MatrixXf& descriptors) {
   return std::max(1e-12, static_cast<double>(*middle));
 }
 
-}  // namespace
-
+/// Descriptor (D) of a clip for the kernel classifier: joints relative to the root of each frame and the root's path,
+/// without the heading of the first frame, divided by the skeleton's size, resampled; and their weighted time
+/// differences. The heading is that of the hips where the skeleton names them.
 Eigen::VectorXf LabelDescriptor(const Motion& motion) {
   Motion positions;
   positions.skeleton = motion.skeleton;
@@ -98,27 +99,9 @@ Eigen::VectorXf LabelDescriptor(const Motion& motion) {
   return descriptor;
 }
 
-std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows) {
-  std::map<std::string, int> persons;
-  for (const int row : rows) persons.emplace(dataset.clips[static_cast<std::size_t>(row)].identity.person, 0);
-  std::vector<int> folds;
-  if (persons.size() < 3) {
-    for (const int row : rows) {
-      Random random(0, "audit.fold", dataset.clips[static_cast<std::size_t>(row)].id());
-      folds.push_back(static_cast<int>(random.Below(kDrawnFolds)));
-    }
-    return folds;
-  }
-  std::vector<std::pair<std::uint64_t, std::string>> order;
-  for (const auto& [person, fold] : persons) {
-    order.emplace_back(Random(0, "audit.fold", person).Next(), person);
-  }
-  std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size(); ++i) persons[order[i].second] = static_cast<int>(i % kMostFolds);
-  for (const int row : rows) folds.push_back(persons[dataset.clips[static_cast<std::size_t>(row)].identity.person]);
-  return folds;
-}
-
+/// Scores (N,C) of each clip by a classifier trained without its fold: kernel ridge regression on one-hot classes. The
+/// kernel is Gaussian in the descriptors (D,N), its width the median of their distance. At most `most_clips`
+/// training clips are used, drawn at random. `labels` (N) are classes 0 to C-1.
 Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::vector<int>& labels,
                                 const std::vector<int>& folds, int classes, const LabelNoiseOptions& options) {
   const auto N = static_cast<int>(labels.size());
@@ -151,8 +134,12 @@ Eigen::MatrixXd OutOfFoldScores(const Eigen::MatrixXf& descriptors, const std::v
   return scores;
 }
 
+/// Confident learning (Northcutt et al. 2021) with margins. A label is suspect where the best other class reaches
+/// `other_share` of its mean own score, and the own class stays below `own_share` of its mean own score. `scores` (N,C)
+/// are out of fold, from this classifier or another. Classes outside `judged_classes` (empty: all classes are judged),
+/// or with a mean own score below 0.05, are neither suspected nor suggested.
 std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::vector<int>& labels,
-                                     const LabelNoiseOptions& options, const std::vector<bool>& judged_classes) {
+                                     const LabelNoiseOptions& options, const std::vector<bool>& judged_classes = {}) {
   const auto classes = static_cast<int>(scores.cols());
   std::vector<double> usual(static_cast<std::size_t>(classes), 0.0), count(usual);  // mean own score of a class's clips
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -185,6 +172,29 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
     judged.push_back(one);
   }
   return judged;
+}
+
+}  // namespace
+
+std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows) {
+  std::map<std::string, int> persons;
+  for (const int row : rows) persons.emplace(dataset.clips[static_cast<std::size_t>(row)].identity.person, 0);
+  std::vector<int> folds;
+  if (persons.size() < 3) {
+    for (const int row : rows) {
+      Random random(0, "audit.fold", dataset.clips[static_cast<std::size_t>(row)].id());
+      folds.push_back(static_cast<int>(random.Below(kDrawnFolds)));
+    }
+    return folds;
+  }
+  std::vector<std::pair<std::uint64_t, std::string>> order;
+  for (const auto& [person, fold] : persons) {
+    order.emplace_back(Random(0, "audit.fold", person).Next(), person);
+  }
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) persons[order[i].second] = static_cast<int>(i % kMostFolds);
+  for (const int row : rows) folds.push_back(persons[dataset.clips[static_cast<std::size_t>(row)].identity.person]);
+  return folds;
 }
 
 LabelAudit AuditLabels(const Dataset& dataset, const LabelNoiseOptions& options) {

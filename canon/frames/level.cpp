@@ -153,10 +153,6 @@ FloorSolution SolveFloor(const LevelOptions& options, const std::vector<Standing
 
 double FloorPlane::tilt() const { return std::acos(std::clamp(up.y(), -1.0, 1.0)); }
 
-RigidTransform FloorPlane::LevelFromWorld() const {
-  return {SwingBetween(up, Vector3d::UnitY()), Vector3d(0.0, -height, 0.0)};
-}
-
 void to_json(nlohmann::json& json, const FloorPlane& floor) {
   json = {{"up", {floor.up.x(), floor.up.y(), floor.up.z()}},
           {"tilt_deg", floor.tilt() * 180.0 / kPi},
@@ -212,7 +208,7 @@ std::optional<FloorPlane> EstimateFloor(const LevelOptions& options, const std::
 }
 
 void LevelClip(const FloorPlane& floor, Clip& clip) {
-  Transform(floor.LevelFromWorld(), clip);
+  Transform({SwingBetween(floor.up, Vector3d::UnitY()), Vector3d(0.0, -floor.height, 0.0)}, clip);
   clip.provenance["level.tilt_deg"] = RoundedText(floor.tilt() * 180.0 / kPi, 3);
   clip.provenance["level.sigma_deg"] = RoundedText(floor.tilt_sigma * 180.0 / kPi, 2);
   clip.provenance[kHeightOrigin] = kOriginFloor;

@@ -20,8 +20,6 @@ struct FloorPlane {
   int clips = 0;                    ///< clips with stance phases
 
   double tilt() const;  ///< radians between `up` and +y
-  /// Up to +y, the floor to y = 0.
-  RigidTransform LevelFromWorld() const;
 };
 void to_json(nlohmann::json& json, const FloorPlane& floor);
 /// Reads what LevelClip needs.

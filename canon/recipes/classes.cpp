@@ -127,7 +127,7 @@ void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<
   CollectFineLabels(dataset, findings);
 }
 
-std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset) {
+void FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset, std::vector<Finding>& findings) {
   std::set<std::string> present;
   for (const Clip& clip : dataset.clips) present.insert(clip.label);
   std::string names;
@@ -136,15 +136,14 @@ std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Data
     if (present.count(listed.name) != 0) continue;
     names += (empty++ > 0 ? ", " : "") + listed.name;
   }
-  if (empty == 0) return {};
-  return {MakeFinding("class_without_clips", Severity::kWarning, static_cast<double>(empty),
-                      std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
-                          " classes of assemble.classes have no clip: " + names +
-                          "; they keep their indices, for networks and recognisers of the recipe")};
+  if (empty == 0) return;
+  findings.push_back(MakeFinding("class_without_clips", Severity::kWarning, static_cast<double>(empty),
+                                 std::to_string(empty) + " of the " + std::to_string(options.classes.size()) +
+                                     " classes of assemble.classes have no clip: " + names +
+                                     "; they keep their indices, for networks and recognisers of the recipe"));
 }
 
-std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset) {
-  std::vector<Finding> findings;
+void CompareWithExpected(const AssembleOptions& options, const Dataset& dataset, std::vector<Finding>& findings) {
   std::set<std::string> persons;
   std::map<std::string, std::size_t> clips_of;
   std::size_t frames = 0;
@@ -159,7 +158,6 @@ std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const D
   for (const ClassOptions& listed : options.classes) {
     Compare("clips of class '" + listed.name + "'", listed.clips, clips_of[listed.name], findings);
   }
-  return findings;
 }
 
 }  // namespace mocurate

@@ -26,10 +26,10 @@ Status CheckClasses(const AssembleOptions& options);
 void ApplyClasses(const AssembleOptions& options, Dataset& dataset, std::vector<Finding>& findings);
 
 /// "class_without_clips" for listed classes without a clip.
-std::vector<Finding> FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset);
+void FindEmptyClasses(const AssembleOptions& options, const Dataset& dataset, std::vector<Finding>& findings);
 
 /// Findings for numbers of clips, frames, persons, or clips of a class that differ from `options.expected` and
 /// `options.classes`.
-std::vector<Finding> CompareWithExpected(const AssembleOptions& options, const Dataset& dataset);
+void CompareWithExpected(const AssembleOptions& options, const Dataset& dataset, std::vector<Finding>& findings);
 
 }  // namespace mocurate

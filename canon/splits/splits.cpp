@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-enum class Part { kTrain, kValidation, kTest };
+using Part = std::vector<int> Split::*;
 
 std::string GroupOf(const SplitOptions& options, const Clip& clip) {
   return GroupOf(options.by, clip, options.sessions_together);
@@ -20,18 +20,17 @@ std::string GroupOf(const SplitOptions& options, const Clip& clip) {
 
 Part PartOf(const SplitOptions& options, const std::string& group, const Clip& clip) {
   if (options.by == SplitBy::kRole) {
-    if (clip.role == "test") return Part::kTest;
-    return clip.role == "validation" ? Part::kValidation : Part::kTrain;
+    return clip.role == "test" ? &Split::test : clip.role == "validation" ? &Split::validation : &Split::train;
   }
   if (options.by == SplitBy::kFraction) {
     const double draw = Random(static_cast<std::uint64_t>(options.seed), "split", group).Uniform();
-    if (draw < options.test_share) return Part::kTest;
-    return draw < options.test_share + options.validation_share ? Part::kValidation : Part::kTrain;
+    if (draw < options.test_share) return &Split::test;
+    return draw < options.test_share + options.validation_share ? &Split::validation : &Split::train;
   }
   const auto names = [&](const std::vector<std::string>& part) {
     return std::find(part.begin(), part.end(), group) != part.end();
   };
-  return names(options.test) ? Part::kTest : names(options.validation) ? Part::kValidation : Part::kTrain;
+  return names(options.test) ? &Split::test : names(options.validation) ? &Split::validation : &Split::train;
 }
 
 std::string RuleHead(SplitBy by) { return std::string("by ") + NameOf(by); }
@@ -124,12 +123,11 @@ Expected<Split> MakeSplit(const SplitOptions& options, const Dataset& dataset, s
   for (std::size_t i = 0; i < dataset.clips.size(); ++i) {
     const Clip& clip = dataset.clips[i];
     const Part part = PartOf(met, GroupOf(met, clip), clip);
-    const int row = static_cast<int>(i);
-    if (part == Part::kTrain && clip.motion->frame_count() < options.min_train_frames) {
+    if (part == &Split::train && clip.motion->frame_count() < options.min_train_frames) {
       ++too_short;
       continue;
     }
-    (part == Part::kTrain ? split.train : part == Part::kTest ? split.test : split.validation).push_back(row);
+    (split.*part).push_back(static_cast<int>(i));
   }
   if (options.most_per_label > 0) {
     long long beyond = 0;

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "canon/audit/label_noise.h"
+#include "canon/audit/audit.h"
 #include "core/base/random.h"
 
 namespace {

@@ -11,7 +11,6 @@
 #include <set>
 
 #include "canon/audit/audit.h"
-#include "canon/audit/label_noise.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/random.h"
