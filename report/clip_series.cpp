@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.h"
 #include "report/filmstrip.h"
 #include "report/painters.h"
 
@@ -11,13 +12,6 @@ namespace mocurate {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-double MedianOf(std::vector<double>& values) {
-  if (values.empty()) return kNan;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Tracks in the order of a skeleton's joints.
 class TracksOfJoints {
@@ -77,7 +71,7 @@ double CloudResidual(const Clip& fitted, const Evidence& evidence, int frame) {
       }
     }
   }
-  return MedianOf(distances);
+  return distances.empty() ? kNan : Median(std::move(distances));
 }
 
 double KeypointResidual(const Motion& motion, const Evidence& evidence, int frame) {
@@ -88,7 +82,7 @@ double KeypointResidual(const Motion& motion, const Evidence& evidence, int fram
     const SeenPerson person = FindPerson(motion, frame, evidence, static_cast<int>(v), image);
     if (person.index >= 0) medians.push_back(person.median_px);
   }
-  return MedianOf(medians);
+  return medians.empty() ? kNan : Median(std::move(medians));
 }
 
 /// Root mean square over joints of the third derivative, at the middle of four frames that have them.

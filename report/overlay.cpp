@@ -2,6 +2,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/base/median.h"
 #include "report/painters.h"
 
 namespace mocurate {
@@ -264,9 +265,7 @@ SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence,
       if (at) distances.push_back((*at - Vector2d(point[0], point[1])).norm());
     }
     if (distances.empty()) continue;
-    std::nth_element(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2),
-                     distances.end());
-    const double median = distances[distances.size() / 2];
+    const double median = Median(std::move(distances));
     if (median < nearest.median_px) nearest = {p, median};
   }
   return nearest;

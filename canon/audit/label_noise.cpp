@@ -7,6 +7,7 @@
 #include <set>
 
 #include "canon/frames/facing.h"
+#include "core/base/median.h"
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/motion/operations.h"
@@ -56,14 +57,11 @@ double MedianDistance(const Eigen::MatrixXf& descriptors) {
   for (Eigen::Index i = 0; i < descriptors.cols(); i += step) drawn.push_back(static_cast<int>(i));
   const Eigen::MatrixXf some = ColumnsOf(descriptors, drawn);
   const Eigen::MatrixXf distances = SquaredDistances(some, some);
-  std::vector<float> values;
+  std::vector<double> values;
   for (Eigen::Index i = 0; i < distances.rows(); ++i) {
     for (Eigen::Index j = i + 1; j < distances.cols(); ++j) values.push_back(distances(i, j));
   }
-  if (values.empty()) return 1.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return std::max(1e-12, static_cast<double>(*middle));
+  return values.empty() ? 1.0 : std::max(1e-12, Median(std::move(values)));
 }
 
 /// Descriptor (D) of a clip for the kernel classifier: joints relative to the root of each frame and the root's path,

@@ -150,9 +150,7 @@ Status CarryOut(const Decision& decision, const Dataset& dataset, Row& row, Appl
     clip.label = decision.label;
     const int fine = dataset.FineLabelIndex(clip.fine_label);
     const bool fits =
-        fine >= 0 &&
-        dataset.labels[static_cast<std::size_t>(dataset.fine_labels[static_cast<std::size_t>(fine)].parent)] ==
-            clip.label;
+        fine >= 0 && dataset.fine_labels[static_cast<std::size_t>(fine)].parent == dataset.LabelIndex(clip.label);
     if (!fits) clip.fine_label.clear();
   } else if (decision.verdict == Verdict::kCut) {
     const int frames = clip.motion->frame_count();

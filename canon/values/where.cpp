@@ -53,16 +53,9 @@ Expected<std::vector<std::string>> PartsOfClips(const Dataset& dataset, const st
   const Split* split = dataset.FindSplit(name);
   if (split == nullptr) {
     std::vector<std::string> names;
-    std::string all;
-    for (const Split& one : dataset.splits) {
-      names.push_back(one.name);
-      all += (all.empty() ? "" : ", ") + one.name;
-    }
-    const auto near = Nearest(name, names);
+    for (const Split& one : dataset.splits) names.push_back(one.name);
     return Fail(ErrorCode::kUsage, "the dataset has no split '" + name + "'", place,
-                near          ? "did you mean '" + *near + "'?"
-                : all.empty() ? "it has no splits"
-                              : "its splits: " + all);
+                DidYouMean(name, names, names.empty() ? "it has no splits" : "its splits: " + JoinTexts(names)));
   }
   std::vector<std::string> parts;
   for (const int part : PartsOf(*split, dataset.clips.size())) parts.emplace_back(NameOfPart(part));
