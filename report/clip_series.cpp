@@ -17,7 +17,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 class TracksOfJoints {
  public:
   TracksOfJoints(const JointTracks& tracks, const Skeleton& skeleton)
-      : tracks_(tracks), point_(MatchTracks(tracks, skeleton).point_of_joint) {}
+      : tracks_(tracks), point_(MatchTracks(tracks.names, skeleton).point_of_joint) {}
 
   bool seen(int frame, int joint) const {
     if (frame < 0 || frame >= tracks_.positions.frames || point_[joint] < 0) return false;

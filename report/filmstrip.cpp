@@ -50,7 +50,7 @@ class StripDrawing {
                       8.0 + scale_ * (high_ - seen.y()), 0.0);
     };
     std::string svg = "<g>";
-    const TrackDrawing drawing = tracks_ ? MatchTracks(*tracks_, *motion_.skeleton) : TrackDrawing();
+    const TrackDrawing drawing = tracks_ ? MatchTracks(tracks_->names, *motion_.skeleton) : TrackDrawing();
     for (const auto& [a, b] : drawing.lines) {
       if (!Present(*tracks_, frame, a) || !Present(*tracks_, frame, b)) continue;
       svg += SegmentLine(place(tracks_->positions.at(frame, a)), place(tracks_->positions.at(frame, b)), "seen");
@@ -136,11 +136,11 @@ std::vector<int> SidesOf(const Skeleton& skeleton) {
   return sides;
 }
 
-TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton& skeleton) {
+TrackDrawing MatchTracks(const std::vector<std::string>& names, const Skeleton& skeleton) {
   TrackDrawing drawing;
   drawing.point_of_joint.assign(skeleton.joints.size(), -1);
-  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-    if (const auto joint = skeleton.FindJoint(tracks.names[k])) drawing.point_of_joint[*joint] = static_cast<int>(k);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (const auto joint = skeleton.FindJoint(names[k])) drawing.point_of_joint[*joint] = static_cast<int>(k);
   }
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     if (drawing.point_of_joint[j] < 0) continue;
@@ -229,7 +229,7 @@ nlohmann::json PlayerData(const std::string& name, const Motion& motion, const J
     data["bones"].push_back({motion.skeleton->joints[j].parent, j, sides[j]});
   }
   if (tracks != nullptr) {
-    for (const auto& line : MatchTracks(*tracks, *motion.skeleton).lines) data["lines"].push_back(line);
+    for (const auto& line : MatchTracks(tracks->names, *motion.skeleton).lines) data["lines"].push_back(line);
   }
   for (int f = 0; f < frames; f += step) {
     data["joints"].push_back(JointFrame(motion, f, origin));

@@ -27,7 +27,7 @@ struct TrackDrawing {
   std::vector<int> point_of_joint;        ///< (J)
   std::vector<std::array<int, 2>> lines;  ///< pairs of points
 };
-TrackDrawing MatchTracks(const JointTracks& tracks, const Skeleton& skeleton);
+TrackDrawing MatchTracks(const std::vector<std::string>& names, const Skeleton& skeleton);
 
 /// Direction of view in the world: the camera looks from the person's front, rotated by `yaw` and raised by `pitch`.
 struct Viewpoint {

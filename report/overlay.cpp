@@ -197,9 +197,7 @@ void ViewPainter::DrawKeypoints(int frame, cv::Mat& image) const {
   const int shown = ImageOfFrame(*fitted_->motion, frame, view);
   if (shown < 0) return;
   const int person = FindPerson(*fitted_->motion, frame, *evidence_, view_ - first, shown).index;
-  JointTracks names;
-  names.names = evidence_->keypoint_names;
-  const auto lines = MatchTracks(names, *fitted_->motion->skeleton).lines;
+  const auto lines = MatchTracks(evidence_->keypoint_names, *fitted_->motion->skeleton).lines;
   const double factor = camera_.fx / view.camera.fx;
   const auto place = [&](const double* point) {
     return Sixteenths((Vector2d(point[0] - crop_.x, point[1] - crop_.y) + Vector2d(0.5, 0.5)) * factor -

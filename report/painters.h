@@ -48,7 +48,9 @@ const Camera& ViewCamera(const Evidence& evidence, int view);
 std::vector<int> ChosenViews(const Evidence& evidence, int most);
 
 /// Painters draw the frames of a clip one after the other with a constant crop. The clip and the evidence must outlive
-/// them. This one: the image of one view, cut to the person over `frames`, with the outline and bones of the fitted body over it: depth
+/// them.
+
+/// The image of one view, cut to the person over `frames`, with the outline and bones of the fitted body over it: depth
 /// in false colours, keypoints as dots (those of the person bright, other people's grey).
 class ViewPainter {
  public:
@@ -101,8 +103,9 @@ class FrontPainter {
   int height_ = 0;
 };
 
-/// Stills of the fitted body with the tracked points (dark) in front, time below; a PNG. Errors of this and the next two:
-/// kInconsistent when `fitted` has no motion or a frame or view does not exist, kNotFound and kMalformed for depth images.
+/// Stills of the fitted body with the tracked points (dark) in front, time below; a PNG. Errors of this and the next
+/// two: kInconsistent when `fitted` has no motion or a frame or view does not exist, kNotFound and kMalformed for depth
+/// images.
 Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence);
 
 /// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the

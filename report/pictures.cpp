@@ -37,7 +37,7 @@ void DrawTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, 
     if (!pixel || !pixel->allFinite() || pixel->norm() > 1e5) return std::nullopt;
     return Rounded(*pixel);
   };
-  for (const auto& [a, b] : MatchTracks(tracks, skeleton).lines) {
+  for (const auto& [a, b] : MatchTracks(tracks.names, skeleton).lines) {
     const auto from = place(a);
     const auto to = place(b);
     if (from && to) cv::line(image, *from, *to, kInk, 2, cv::LINE_AA);

@@ -327,7 +327,6 @@ std::string FindingsHtml(const ReportInput& input) {
   return table.Html() + elsewhere;
 }
 
-
 std::string ClipsHtml(const ReportInput& input) {
   const nlohmann::json& pages = Field(input.run, "pages");
   std::vector<const nlohmann::json*> clips;

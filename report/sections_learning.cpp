@@ -189,7 +189,6 @@ std::string GeneratedHtml(const ReportInput& input) {
   return html;
 }
 
-
 std::string TableHtml(const ReportInput& input) {
   const std::string table = HtmlOfTexts(Field(input.run, "table"));
   if (!table.empty()) return table;
@@ -263,10 +262,10 @@ std::string StopsHtml(const ReportInput& input) {
       false};
   for (const auto& [item, training] : Trainings(input.run)) {
     if (IsRecogniser(*training)) {
-      recognisers.rows.push_back({EscapeHtml(item), NumberCell(*training, "epochs", 0), NumberCell(*training, "batch", 0),
-                                  NumberCell(*training, "chosen_epoch", 0), NumberCell(*training, "validation_accuracy", 3),
-                                  NumberCell(*training, "train_accuracy", 3),
-                                  EscapeHtml(TextOf(*training, "validation_rule"))});
+      recognisers.rows.push_back(
+          {EscapeHtml(item), NumberCell(*training, "epochs", 0), NumberCell(*training, "batch", 0),
+           NumberCell(*training, "chosen_epoch", 0), NumberCell(*training, "validation_accuracy", 3),
+           NumberCell(*training, "train_accuracy", 3), EscapeHtml(TextOf(*training, "validation_rule"))});
       continue;
     }
     const auto clips = NumberOf(*training, "clips");

@@ -244,7 +244,6 @@ std::string TallyToMarkdown(const SurveyTally& tally) {
   return text;
 }
 
-
 std::string TallyToSvg(const SurveyTally& tally) {
   const bool preference = tally.kind == SurveyKind::kPreference;
   double left = 90.0, heads = 0.0;

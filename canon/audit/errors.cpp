@@ -127,7 +127,6 @@ void AddEqualContents(const Dataset& dataset, const std::vector<std::vector<int>
   }
 }
 
-
 AuditFinding OfSet(const char* code, const std::string& message) {
   return {MakeFinding(code, Severity::kWarning, 0.0, message), "", "", {}};
 }

@@ -65,8 +65,8 @@ struct FileDeclaration {
 };
 
 /// source.yaml, a job that reads the export again: classes in their order and the splits by person in `assemble`.
-/// Beside it skeleton.yaml, where the skeleton is not built in and the files do not contain it. Notes name the splits that
-/// it cannot declare.
+/// Beside it skeleton.yaml, where the skeleton is not built in and the files do not contain it. Notes name the splits
+/// that it cannot declare.
 void AddDeclaration(const ExportSet& set, const std::vector<WrittenClip>& clips, const FileDeclaration& declaration,
                     std::vector<std::string>& notes, std::vector<ExportedFile>& files);
 

@@ -39,8 +39,8 @@ struct ChangedDataset {
   std::vector<Finding> findings;  ///< also in the dataset
 };
 
-/// The clips that match a condition, and with `drop_empty_labels` only classes that have a clip. `name`: of the original
-/// dataset, for the recipe. Splits keep their parts, labels their order; motions are passed through, with
+/// The clips that match a condition, and with `drop_empty_labels` only classes that have a clip. `name`: of the
+/// original dataset, for the recipe. Splits keep their parts, labels their order; motions are passed through, with
 /// frames or without. Errors of Condition::Holds; kInconsistent where no clip is left, with the number of clips that
 /// each test matches. Finding "empty_part": a part of a split without a clip.
 Expected<ChangedDataset> SubsetOf(Dataset dataset, const Condition& condition, const std::string& name,
@@ -52,6 +52,6 @@ Expected<ChangedDataset> SubsetOf(Dataset dataset, const Condition& condition, c
 /// Findings: "clip_not_fitted" (error) for each failed clip, with the parts of splits that it leaves; "empty_part". In
 /// the dataset they are beside those of the fits.
 ChangedDataset RefitDataset(Dataset before, Dataset fits, const std::map<std::string, std::string>& failed,
-                             const std::string& how);
+                            const std::string& how);
 
 }  // namespace mocurate

@@ -70,7 +70,7 @@ TEST(Filmstrip, PointsOfJointsWithoutTheirParentHangOnTheNearestObservedAncestor
   const SkeletonPtr skeleton = Walker();
   JointTracks tracks;
   tracks.names = {"left_hip", "left_ankle", "head", "a sensor of its own"};
-  const TrackDrawing drawing = MatchTracks(tracks, *skeleton);
+  const TrackDrawing drawing = MatchTracks(tracks.names, *skeleton);
   ASSERT_EQ(drawing.lines.size(), 1U);
   EXPECT_EQ(drawing.lines[0], (std::array<int, 2>{0, 1}));
 }
