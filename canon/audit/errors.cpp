@@ -11,10 +11,9 @@
 #include "canon/splits/leaks.h"
 #include "canon/splits/splits.h"
 #include "core/base/text.h"
+#include "core/quality/checks.h"
 #include "core/quality/duplicates.h"
 #include "core/quality/handedness.h"
-#include "core/quality/repeats.h"
-#include "core/quality/swaps.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

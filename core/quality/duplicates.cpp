@@ -8,8 +8,7 @@
 #include <tuple>
 
 #include "core/base/median.h"
-#include "core/quality/shared_stretches.h"
-#include "core/quality/swaps.h"
+#include "core/quality/checks.h"
 
 namespace mocurate {
 namespace {
@@ -187,11 +186,6 @@ void CompareShapes(const std::vector<MotionSignature>& clips, const DuplicateLim
   }
 }
 
-struct Shared {
-  int count = 0;
-  int begin = 0, end = 0, second_begin = 0, second_end = 0;
-};
-
 void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimits& limits, DuplicatePairs& pairs) {
   constexpr std::size_t kCommon = 50;  // a pose in more clips than this is a rest pose, which distinguishes none
   struct PoseSample {
@@ -210,32 +204,24 @@ void ComparePoses(const std::vector<MotionSignature>& clips, const DuplicateLimi
             [&](const PoseSample& a, const PoseSample& b) { return place(a) < place(b); });
   const auto same = [](const PoseSample& a, const PoseSample& b) { return a.pose == b.pose && a.clip == b.clip; };
   samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());  // each pose once a clip
-  std::map<std::pair<std::size_t, std::size_t>, Shared> shared;
+  DuplicatePairs shared;
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     while (end < samples.size() && samples[end].pose == samples[begin].pose) ++end;
     if (end - begin > kCommon) continue;
     for (std::size_t a = begin; a < end; ++a) {
       for (std::size_t b = a + 1; b < end; ++b) {
-        Shared& pair = shared[{samples[a].clip, samples[b].clip}];
+        Duplicate& pair = PairOf(shared, samples[a].clip, samples[b].clip);
         const int f = static_cast<int>(samples[a].frame), g = static_cast<int>(samples[b].frame);
-        pair.begin = pair.count == 0 ? f : std::min(pair.begin, f);
-        pair.end = std::max(pair.end, f + 1);
-        pair.second_begin = pair.count == 0 ? g : std::min(pair.second_begin, g);
+        pair.frame_begin = pair.shared == 0 ? f : std::min(pair.frame_begin, f);
+        pair.frame_end = std::max(pair.frame_end, f + 1);
+        pair.second_begin = pair.shared == 0 ? g : std::min(pair.second_begin, g);
         pair.second_end = std::max(pair.second_end, g + 1);
-        ++pair.count;
+        ++pair.shared;
       }
     }
   }
-  for (const auto& [indices, frames] : shared) {
-    if (frames.count < limits.shared_frames) continue;
-    const bool known = pairs.count(indices) != 0;
-    Duplicate& pair = PairOf(pairs, indices.first, indices.second);
-    pair.shared = frames.count;
-    if (known) continue;
-    pair.frame_begin = frames.begin;
-    pair.frame_end = frames.end;
-    pair.second_begin = frames.second_begin;
-    pair.second_end = frames.second_end;
+  for (const auto& [indices, pair] : shared) {
+    if (pair.shared >= limits.shared_frames) pairs.emplace(indices, pair).first->second.shared = pair.shared;
   }
 }
 

@@ -1,10 +1,11 @@
-#include "core/quality/position_jumps.h"
+#include "core/quality/checks.h"
 
 #include <algorithm>
 #include <map>
 #include <optional>
 
 #include "core/base/median.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -65,10 +66,9 @@ class JumpPath {
     for (int f = stay.begin; f <= stay.end; ++f) {
       if (Seen(f)) farthest = std::max(farthest, FromHome(f, before, after));
     }
-    const int frames = stay.end - stay.begin + 1;
     return FrameFinding("position_jump", stay.begin, stay.end + 1, "", farthest,
-                        "for " + std::to_string(frames) + (frames == 1 ? " frame" : " frames") + " the person is " +
-                            Digits(farthest) + " m from its place in the rest of the clip; a person moves at most at " +
+                        "for " + Counted(stay.end - stay.begin + 1, "frame") + " the person is " + Digits(farthest) +
+                            " m from its place in the rest of the clip; a person moves at most at " +
                             Digits(limits_.speed) + " m/s, and accelerates by at most " + Digits(limits_.start) +
                             " m/s2");
   }
@@ -231,8 +231,7 @@ std::vector<Finding> FindPositionJumps(const TrackedPoints& points, const Positi
       if (f == begin) continue;
       findings.push_back(FrameFinding("joint_far", begin, f, points.name(k), farthest,
                                       "'" + points.name(k) + "' is " + Digits(farthest) +
-                                          " m from the middle of the body in " + std::to_string(f - begin) +
-                                          (f - begin == 1 ? " frame" : " frames")));
+                                          " m from the middle of the body in " + Counted(f - begin, "frame")));
     }
   }
   return findings;

@@ -1,10 +1,12 @@
-#include "core/quality/repeats.h"
+#include "core/quality/checks.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
+
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -78,8 +80,6 @@ void ForRuns(int frames, const std::function<bool(int)>& holds, const std::funct
     call(begin, f);
   }
 }
-
-std::string Frames(int count) { return std::to_string(count) + (count == 1 ? " frame" : " frames"); }
 
 /// What repeats from the frame before: per joint and for the body.
 class Repeats {
@@ -243,8 +243,9 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
   ForRuns(points.frames(), body, [&](int begin, int end) {
     const int count = end - begin + 1;  // with the frame that is repeated
     if (count < limits.frozen_frames || !repeats.AbruptBody(begin - 1, end)) return;
-    findings.push_back(FrameFinding("frozen_frames", begin - 1, end, "", count,
-                                    Frames(count) + " are equal to the last digit: written twice, or the stream hung"));
+    findings.push_back(
+        FrameFinding("frozen_frames", begin - 1, end, "", count,
+                     Counted(count, "frame") + " are equal to the last digit: written twice, or the stream hung"));
     if (count == 2) findings.back().severity = Severity::kInfo;
   });
   const std::vector<Hold> holds = FindHolds(points, repeats, limits.held_frames);
@@ -254,7 +255,8 @@ std::vector<Finding> FindRepeats(const TrackedPoints& points, const RepeatLimits
     const int count = hold.end - hold.begin;
     findings.push_back(FrameFinding("repeated_value", hold.begin, hold.end, points.name(hold.joint), count,
                                     "'" + points.name(hold.joint) + "' repeats its value to the last digit for " +
-                                        Frames(count) + " while other joints move: a gap filled with the last value"));
+                                        Counted(count, "frame") +
+                                        " while other joints move: a gap filled with the last value"));
   }
   return findings;
 }
@@ -271,8 +273,9 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
     return any && points.count() > 1;
   };
   ForRuns(points.frames(), all_zero, [&](int begin, int end) {
-    findings.push_back(FrameFinding("zero_frames", begin, end, "", end - begin,
-                                    "every joint is at 0 0 0 in " + Frames(end - begin) + ": no valid samples"));
+    findings.push_back(
+        FrameFinding("zero_frames", begin, end, "", end - begin,
+                     "every joint is at 0 0 0 in " + Counted(end - begin, "frame") + ": no valid samples"));
   });
   const auto collapsed = [&](int f) {
     if (all_zero(f)) return false;
@@ -280,8 +283,9 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
     return size && *size < kCollapsed;
   };
   ForRuns(points.frames(), collapsed, [&](int begin, int end) {
-    findings.push_back(FrameFinding("collapsed_frames", begin, end, "", end - begin,
-                                    "all joints lie in one point in " + Frames(end - begin) + ": not a body"));
+    findings.push_back(
+        FrameFinding("collapsed_frames", begin, end, "", end - begin,
+                     "all joints lie in one point in " + Counted(end - begin, "frame") + ": not a body"));
   });
   for (int k = 0; k < points.count(); ++k) {
     const auto alone = [&](int f) { return zero(f, k) && !all_zero(f); };
@@ -295,7 +299,7 @@ std::vector<Finding> FindBlanks(const TrackedPoints& points) {
     ForRuns(points.frames(), alone, [&](int begin, int end) {
       if (root && begin == 0 && end == 1) return;  // a clip that starts there
       findings.push_back(FrameFinding("zero_joint", begin, end, points.name(k), end - begin,
-                                      "'" + points.name(k) + "' is at 0 0 0 in " + Frames(end - begin) +
+                                      "'" + points.name(k) + "' is at 0 0 0 in " + Counted(end - begin, "frame") +
                                           ": a tracker's mark for a joint it does not observe"));
     });
   }

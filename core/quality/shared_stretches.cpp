@@ -1,4 +1,4 @@
-#include "core/quality/shared_stretches.h"
+#include "core/quality/duplicates.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <nanoflann.hpp>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 #include "core/motion/gaps.h"
 

@@ -1,5 +1,4 @@
-#include "core/quality/swaps.h"
-#include "core/base/median.h"
+#include "core/quality/checks.h"
 
 #include <algorithm>
 #include <cctype>
@@ -7,6 +6,9 @@
 #include <map>
 #include <optional>
 #include <set>
+
+#include "core/base/median.h"
+#include "core/base/text.h"
 
 namespace mocurate {
 namespace {
@@ -246,10 +248,9 @@ std::vector<Finding> FindSwaps(const TrackedPoints& points, const SwapLimits& li
     }
   }
   for (const auto& [span, found] : spans) {
-    const int frames = span.second - span.first;
     findings.push_back(FrameFinding("swapped_sides", span.first, span.second, "", found.first,
-                                    "left and right " + found.second + " are exchanged for " + std::to_string(frames) +
-                                        (frames == 1 ? " frame" : " frames") +
+                                    "left and right " + found.second + " are exchanged for " +
+                                        Counted(span.second - span.first, "frame") +
                                         ": within a frame each moves to the other's position (squared steps are " +
                                         Digits(found.first) + " of those without the exchange)"));
   }

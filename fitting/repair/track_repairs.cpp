@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/quality/position_jumps.h"
-#include "core/quality/repeats.h"
+#include "core/quality/checks.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/bone_violations.h"
 #include "fitting/repair/exchanges.h"

@@ -5,7 +5,7 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/quality/repeats.h"
+#include "core/quality/checks.h"
 #include "core/quality/tracked_points.h"
 
 namespace mocurate {

@@ -11,7 +11,7 @@
 
 #include "canon/audit/audit.h"
 #include "core/base/random.h"
-#include "core/quality/swaps.h"
+#include "core/quality/checks.h"
 
 namespace {
 

@@ -14,7 +14,7 @@
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/random.h"
-#include "core/quality/swaps.h"
+#include "core/quality/checks.h"
 #include "tests/canon/moving_clips.h"
 #include "tests/support/scratch_folder.h"
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/quality/rate.h"
-#include "core/quality/repeats.h"
 #include "tests/quality/recorded_people.h"
 
 namespace mocurate::test {

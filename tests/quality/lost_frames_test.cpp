@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/quality/position_jumps.h"
+#include "core/quality/checks.h"
 
 namespace mocurate {
 namespace {

@@ -1,7 +1,5 @@
 // Implausible jumps of a person or a joint.
 
-#include "core/quality/position_jumps.h"
-
 #include "tests/quality/recorded_people.h"
 
 namespace mocurate::test {
