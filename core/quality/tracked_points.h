@@ -23,9 +23,10 @@ struct TrackedPoints {
 
   int frames() const { return positions.frames; }
   int count() const { return positions.joints; }
-  bool sees(int frame, int point) const {
-    return confidence.empty() || confidence[static_cast<std::size_t>(frame) * positions.joints + point] > 0.0;
+  double confidence_at(int frame, int point) const {
+    return confidence.empty() ? 1.0 : confidence[static_cast<std::size_t>(frame) * positions.joints + point];
   }
+  bool sees(int frame, int point) const { return confidence_at(frame, point) > 0.0; }
   Vector3d at(int frame, int point) const { return positions.at(frame, point); }
   /// Diagonal of the bounding box of the observed points of a frame, if there are at least `fewest`.
   std::optional<double> Extent(int frame, int fewest) const {

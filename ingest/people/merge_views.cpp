@@ -5,8 +5,6 @@
 #include <numeric>
 #include <optional>
 
-#include "core/quality/clock_offset.h"
-
 namespace mocurate {
 namespace {
 

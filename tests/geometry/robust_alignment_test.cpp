@@ -1,5 +1,5 @@
 // Alignment of paired points with outliers.
-#include "core/geometry/robust_alignment.h"
+#include "core/geometry/rigid.h"
 
 #include "tests/geometry/samples.h"
 
