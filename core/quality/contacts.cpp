@@ -32,11 +32,8 @@ double SpeedAt(const Motion& motion, int frame, int joint) {
 std::vector<int> FootJoints(const Skeleton& skeleton) {
   std::vector<int> feet;
   for (const Limb& leg : LimbsOf(skeleton).leg) {
-    if (leg.tip >= 0) {
-      feet.push_back(leg.tip);
-    } else if (leg.end >= 0) {
-      feet.push_back(leg.end);
-    }
+    const int foot = leg.tip >= 0 ? leg.tip : leg.end;
+    if (foot >= 0) feet.push_back(foot);
   }
   return feet;
 }

@@ -4,37 +4,25 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/quality/tracked_points.h"
+
 namespace mocurate {
 namespace {
 
 constexpr double kContactHeight = 0.05;  ///< metres above the floor
 constexpr double kFloorShare = 0.05;
 
-/// Joint positions with their presence, as the measures read them.
-struct Samples {
-  const Skeleton& skeleton;
-  const JointPositions& joints;
-  const std::vector<double>& confidence;
-  const std::vector<double>& time_s;
-
-  int frames() const { return joints.frames; }
-  int count() const { return joints.joints; }
-  bool present(int frame, int joint) const {
-    return confidence.empty() || confidence[static_cast<std::size_t>(frame) * joints.joints + joint] > 0.0;
-  }
-};
-
-void MeasureBones(const Samples& samples, MotionMeasures& measures) {
+void MeasureBones(const TrackedPoints& samples, const Skeleton& skeleton, MotionMeasures& measures) {
   measures.bone_spreads_mm.assign(samples.count(), 0.0);
   double sum = 0.0;
   int bones = 0;
   for (int j = 0; j < samples.count(); ++j) {
-    const int parent = samples.skeleton.joints[j].parent;
+    const int parent = skeleton.joints[j].parent;
     if (parent < 0) continue;
     std::vector<double> lengths;
     for (int f = 0; f < samples.frames(); ++f) {
-      if (!samples.present(f, j) || !samples.present(f, parent)) continue;
-      lengths.push_back((samples.joints.at(f, j) - samples.joints.at(f, parent)).norm());
+      if (!samples.sees(f, j) || !samples.sees(f, parent)) continue;
+      lengths.push_back((samples.at(f, j) - samples.at(f, parent)).norm());
     }
     if (lengths.size() < 2) continue;
     double mean = 0.0;
@@ -49,9 +37,9 @@ void MeasureBones(const Samples& samples, MotionMeasures& measures) {
 }
 
 /// Third divided difference times 3!: exact for cubics at any spacing.
-Vector3d ThirdDerivative(const Samples& samples, int frame, int joint) {
+Vector3d ThirdDerivative(const TrackedPoints& samples, int frame, int joint) {
   Vector3d value[4];
-  for (int i = 0; i < 4; ++i) value[i] = samples.joints.at(frame + i, joint);
+  for (int i = 0; i < 4; ++i) value[i] = samples.at(frame + i, joint);
   for (int order = 1; order < 4; ++order) {
     for (int i = 0; i + order < 4; ++i) {
       value[i] = (value[i + 1] - value[i]) / (samples.time_s[frame + i + order] - samples.time_s[frame + i]);
@@ -60,13 +48,13 @@ Vector3d ThirdDerivative(const Samples& samples, int frame, int joint) {
   return 6.0 * value[0];
 }
 
-void MeasureJerk(const Samples& samples, MotionMeasures& measures) {
+void MeasureJerk(const TrackedPoints& samples, MotionMeasures& measures) {
   double square = 0.0;
   std::size_t count = 0;
   for (int j = 0; j < samples.count(); ++j) {
     for (int f = 0; f + 3 < samples.frames(); ++f) {
       bool whole = true;
-      for (int i = 0; i < 4; ++i) whole = whole && samples.present(f + i, j);
+      for (int i = 0; i < 4; ++i) whole = whole && samples.sees(f + i, j);
       if (!whole) continue;
       square += ThirdDerivative(samples, f, j).squaredNorm();
       ++count;
@@ -75,12 +63,12 @@ void MeasureJerk(const Samples& samples, MotionMeasures& measures) {
   if (count > 0) measures.jerk = std::sqrt(square / static_cast<double>(count));
 }
 
-void MeasurePresence(const Samples& samples, MotionMeasures& measures) {
+void MeasurePresence(const TrackedPoints& samples, MotionMeasures& measures) {
   std::size_t missing = 0;
   std::size_t all = 0;
   for (int j = 0; j < samples.count(); ++j) {
     int present = 0;
-    for (int f = 0; f < samples.frames(); ++f) present += samples.present(f, j) ? 1 : 0;
+    for (int f = 0; f < samples.frames(); ++f) present += samples.sees(f, j) ? 1 : 0;
     if (present == 0) continue;
     missing += static_cast<std::size_t>(samples.frames() - present);
     all += static_cast<std::size_t>(samples.frames());
@@ -90,10 +78,10 @@ void MeasurePresence(const Samples& samples, MotionMeasures& measures) {
     bool same = true;
     bool any = false;
     for (int j = 0; same && j < samples.count(); ++j) {
-      if (samples.present(f, j) != samples.present(f - 1, j)) same = false;
-      if (!same || !samples.present(f, j)) continue;
+      if (samples.sees(f, j) != samples.sees(f - 1, j)) same = false;
+      if (!same || !samples.sees(f, j)) continue;
       any = true;
-      same = samples.joints.at(f, j) == samples.joints.at(f - 1, j);
+      same = samples.at(f, j) == samples.at(f - 1, j);
     }
     measures.frozen_frames += same && any ? 1 : 0;
   }
@@ -109,22 +97,22 @@ std::vector<int> Feet(const Skeleton& skeleton) {
   return feet;
 }
 
-void MeasureSkate(const Samples& samples, MotionMeasures& measures) {
+void MeasureSkate(const TrackedPoints& samples, const Skeleton& skeleton, MotionMeasures& measures) {
   double path = 0.0;
   double time = 0.0;
-  for (const int foot : Feet(samples.skeleton)) {
+  for (const int foot : Feet(skeleton)) {
     std::vector<double> heights;
     for (int f = 0; f < samples.frames(); ++f) {
-      if (samples.present(f, foot)) heights.push_back(samples.joints.at(f, foot).y());
+      if (samples.sees(f, foot)) heights.push_back(samples.at(f, foot).y());
     }
     if (heights.empty()) continue;
     const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kFloorShare * static_cast<double>(heights.size()));
     std::nth_element(heights.begin(), low, heights.end());
     const double ceiling = *low + kContactHeight;
     for (int f = 1; f < samples.frames(); ++f) {
-      if (!samples.present(f, foot) || !samples.present(f - 1, foot)) continue;
-      if (samples.joints.at(f, foot).y() > ceiling || samples.joints.at(f - 1, foot).y() > ceiling) continue;
-      const Vector3d step = samples.joints.at(f, foot) - samples.joints.at(f - 1, foot);
+      if (!samples.sees(f, foot) || !samples.sees(f - 1, foot)) continue;
+      if (samples.at(f, foot).y() > ceiling || samples.at(f - 1, foot).y() > ceiling) continue;
+      const Vector3d step = samples.at(f, foot) - samples.at(f - 1, foot);
       path += std::hypot(step.x(), step.z());
       time += samples.time_s[f] - samples.time_s[f - 1];
     }
@@ -142,13 +130,13 @@ double Rounded(double value) {
 
 MotionMeasures MeasureJoints(const Skeleton& skeleton, const JointPositions& joints,
                              const std::vector<double>& confidence, const std::vector<double>& time_s) {
-  const Samples samples{skeleton, joints, confidence, time_s};
+  const TrackedPoints samples{joints, confidence, time_s};
   MotionMeasures measures;
   measures.frames = joints.frames;
-  MeasureBones(samples, measures);
+  MeasureBones(samples, skeleton, measures);
   MeasureJerk(samples, measures);
   MeasurePresence(samples, measures);
-  MeasureSkate(samples, measures);
+  MeasureSkate(samples, skeleton, measures);
   return measures;
 }
 
