@@ -168,15 +168,14 @@ void ForEachObject(const fs::path& cache, const std::function<void(const fs::pat
   const auto is_level = [](const fs::path& path) {
     return path.filename().native().size() == 2 && IsHex(path.filename().native());
   };
-  const auto visit_object = [&visit](const fs::path& path) {
-    std::error_code none;
-    if (IsOurName(path.filename().native()) && !fs::is_symlink(path, none)) visit(path);
-  };
   for (const fs::path& folder : Sorted(cache / "objects")) {
     if (!is_level(folder)) continue;
     for (const fs::path& entry : Sorted(folder)) {
       if (!is_level(entry)) continue;
-      for (const fs::path& object : Sorted(entry)) visit_object(object);
+      for (const fs::path& object : Sorted(entry)) {
+        std::error_code none;
+        if (IsOurName(object.filename().native()) && !fs::is_symlink(object, none)) visit(object);
+      }
     }
   }
 }

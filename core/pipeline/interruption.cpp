@@ -26,11 +26,7 @@ Interruption::Interruption() {
   for (int i = 0; i < 5; ++i) {
     struct sigaction action {};
     sigemptyset(&action.sa_mask);
-    if (i < kHandled) {
-      action.sa_handler = OnSignal;  // no SA_RESTART: poll() shall return at once
-    } else {
-      action.sa_handler = SIG_IGN;
-    }
+    action.sa_handler = i < kHandled ? OnSignal : SIG_IGN;  // no SA_RESTART: poll() shall return at once
     sigaction(kSignals[i], &action, &saved_[i]);
   }
 }

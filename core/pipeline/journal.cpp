@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <string>
 #include <utility>
 
 #include "core/base/file.h"

@@ -1,7 +1,6 @@
 #include "core/pipeline/plan.h"
 
 #include <algorithm>
-#include <exception>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -10,9 +9,12 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/pipeline/wire.h"
 
 namespace mocurate {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlanHead, program, stage, stage_version, config, config_sha256, arguments,
+                                   blas_kernels, instructions, cache, items, tasks)
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,36 +23,6 @@ using nlohmann::json;
 constexpr int kPlanVersion = 2;
 constexpr std::size_t kLongestHead = 1 << 20;
 constexpr std::string_view kTasksBegin = ", \"tasks\": [";  ///< behind the head, at the end of the first line
-
-json HeadJson(const PlanHead& head) {
-  return {{"program", head.program},
-          {"stage", head.stage},
-          {"stage_version", head.stage_version},
-          {"config", head.config},
-          {"config_sha256", head.config_sha256},
-          {"arguments", head.arguments},
-          {"blas_kernels", head.blas_kernels},
-          {"instructions", head.instructions},
-          {"cache", head.cache.native()},
-          {"items", head.items},
-          {"tasks", head.tasks}};
-}
-
-PlanHead HeadFromJson(const json& value) {
-  PlanHead head;
-  head.program = value.at("program").get<std::string>();
-  head.stage = value.at("stage").get<std::string>();
-  head.stage_version = value.at("stage_version").get<int>();
-  head.config = value.at("config").get<std::string>();
-  head.config_sha256 = value.at("config_sha256").get<std::string>();
-  head.arguments = value.at("arguments").get<std::vector<std::string>>();
-  head.blas_kernels = value.at("blas_kernels").get<std::string>();
-  head.instructions = value.at("instructions").get<std::string>();
-  head.cache = value.at("cache").get<std::string>();
-  head.items = value.at("items").get<std::size_t>();
-  head.tasks = value.at("tasks").get<std::size_t>();
-  return head;
-}
 
 /// The options and items of a task; options that items share are stored once.
 json TaskJson(const ItemSpec* begin, const ItemSpec* end) {
@@ -105,8 +77,7 @@ Status Plan::Write(const fs::path& file, PlanHead head, const std::vector<ItemSp
   head.tasks = ends.size();
   return WriteFileWith(file, [&](const fs::path& temporary) -> Status {
     std::ofstream out(temporary, std::ios::binary);
-    out << "{\"mocurate_plan\": " << kPlanVersion << ", \"head\": " << CanonicalText(HeadJson(head)) << kTasksBegin
-        << '\n';
+    out << "{\"mocurate_plan\": " << kPlanVersion << ", \"head\": " << CanonicalText(head) << kTasksBegin << '\n';
     for (std::size_t k = 0; k < ends.size(); ++k) {
       const ItemSpec* begin = items.data() + (k == 0 ? 0 : ends[k - 1]);
       out << CanonicalText(TaskJson(begin, items.data() + ends[k])) << (k + 1 < ends.size() ? ",\n" : "\n");
@@ -143,7 +114,7 @@ Expected<Plan> Plan::Open(const fs::path& file) {
           "version " + std::to_string(version) + " of plans; this program reads " + std::to_string(kPlanVersion),
           DisplayPath(file), "plan again with this mocurate: mocurate plan");
     }
-    plan.head_ = HeadFromJson(value->at("head"));
+    plan.head_ = value->at("head").get<PlanHead>();
   } catch (const json::exception& wrong) {
     return NotAPlan(file, wrong.what(), "line 1");
   }

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <algorithm>
-#include <string>
 
 #include "core/base/file.h"
 #include "core/base/links.h"
@@ -124,15 +123,9 @@ Status Runner::Impl::TryAgain(const StageDeclaration& stage, const StageRun& fir
   Expected<StageReport> again = second.Execute();
   if (!again) return Forward(again);
   for (std::size_t i = 0; i < again->items.size(); ++i) {
+    CountItem(again->items[i], report);
     report.items[first.damaged()[i]] = std::move(again->items[i]);
   }
-  report.done += again->done;
-  report.suspect += again->suspect;
-  report.excluded += again->excluded;
-  report.refused += again->refused;
-  report.crashed += again->crashed;
-  report.from_cache += again->from_cache;
-  report.unrecorded += again->unrecorded;
   report.seconds += again->seconds;
   return {};
 }

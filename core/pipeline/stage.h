@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,9 +10,29 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
-#include "core/pipeline/path_text.h"
 
 namespace mocurate {
+
+/// A path to keep: std::filesystem::path also keeps its parts, some 600 bytes.
+class PathText {
+ public:
+  PathText() = default;
+  PathText(const std::filesystem::path& path) : text_(path.native()) {}
+  PathText(std::string path) : text_(std::move(path)) {}
+  PathText(const char* path) : text_(path) {}
+
+  operator std::filesystem::path() const { return text_; }
+  const std::string& native() const { return text_; }
+  bool empty() const { return text_.empty(); }
+  void clear() { text_.clear(); }
+
+ private:
+  std::string text_;
+};
+
+inline bool operator==(const PathText& a, const PathText& b) { return a.native() == b.native(); }
+inline void to_json(nlohmann::json& json, const PathText& path) { json = path.native(); }
+inline void from_json(const nlohmann::json& json, PathText& path) { path = json.get<std::string>(); }
 
 /// One file a stage reads. `role` is its purpose ("evidence", "proportions", "dataset", "source").
 struct StageInput {
@@ -22,6 +41,7 @@ struct StageInput {
   PathText path;       ///< where it lies now; never part of the key; empty: the stage finds it by its name
   std::string sha256;  ///< content; the key
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageInput, role, name, path, sha256)
 
 /// One item of work, resolved: what a worker gets.
 struct StageRequest {
@@ -33,6 +53,7 @@ struct StageRequest {
   std::filesystem::path scratch;  ///< folder of this item that survives kills (partial checkpoints)
   int threads = 1;                ///< the item may use; never changes its bytes
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StageRequest, stage, item, options, inputs, output, scratch, threads)
 
 /// The input of a role; null when there is none.
 inline const StageInput* FindInput(const StageRequest& request, std::string_view role) {

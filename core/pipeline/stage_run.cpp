@@ -6,7 +6,6 @@
 #include "core/base/log.h"
 #include "core/base/text.h"
 #include "core/pipeline/cache_layout.h"
-#include "core/pipeline/wire.h"
 
 namespace mocurate {
 namespace {
@@ -28,16 +27,6 @@ bool MayBeCached(const Outcome& outcome) {
           outcome.error.code != ErrorCode::kConfig);
 }
 
-void Count(StageReport& report, const ItemResult& result) {
-  report.done += result.outcome.kind == OutcomeKind::kDone ? 1 : 0;
-  report.suspect += result.outcome.kind == OutcomeKind::kSuspect ? 1 : 0;
-  report.excluded += result.outcome.kind == OutcomeKind::kExcluded ? 1 : 0;
-  report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
-  report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
-  report.from_cache += result.from_cache ? 1 : 0;
-  report.unrecorded += result.outcome.kind == OutcomeKind::kRefused && !MayBeCached(result.outcome) ? 1 : 0;
-}
-
 ItemResult Served(const std::string& item, Cache::Entry entry) {
   ItemSummary summary = entry.outcome.summary;
   return {item, std::move(entry.outcome), std::move(entry.artifact), std::move(entry.sha256), true, std::move(summary)};
@@ -50,6 +39,16 @@ bool Holds(const fs::path& artifact, const std::string& sha256) {
 }
 
 }  // namespace
+
+void CountItem(const ItemResult& result, StageReport& report) {
+  report.done += result.outcome.kind == OutcomeKind::kDone ? 1 : 0;
+  report.suspect += result.outcome.kind == OutcomeKind::kSuspect ? 1 : 0;
+  report.excluded += result.outcome.kind == OutcomeKind::kExcluded ? 1 : 0;
+  report.refused += result.outcome.kind == OutcomeKind::kRefused ? 1 : 0;
+  report.crashed += result.outcome.kind == OutcomeKind::kCrashed ? 1 : 0;
+  report.from_cache += result.from_cache ? 1 : 0;
+  report.unrecorded += result.outcome.kind == OutcomeKind::kRefused && !MayBeCached(result.outcome) ? 1 : 0;
+}
 
 std::vector<fs::path> DamagedInputs(const RunnerState& state, const ItemSpec& spec) {
   std::vector<fs::path> damaged;
@@ -106,7 +105,7 @@ StageReport StageRun::PlanStage() {
     std::optional<Cache::Entry> entry = state_.cache.Find(Cache::Key(stage_, items_[i]));
     if (!entry) continue;
     report_.items[i] = Served(items_[i].item, *std::move(entry));
-    Count(report_, report_.items[i]);
+    CountItem(report_.items[i], report_);
   }
   return std::move(report_);
 }
@@ -200,10 +199,7 @@ bool StageRun::CheckInputs(std::size_t index) {
 
 /// Without a line in the cache: the next run tries again.
 void StageRun::Refuse(std::size_t index, const Error& error) {
-  ItemResult refused{items_[index].item, {}, {}, {}, false, {}};
-  refused.outcome.kind = OutcomeKind::kRefused;
-  refused.outcome.error = error;
-  Record(index, "", std::move(refused), 0.0);
+  Record(index, "", {items_[index].item, {OutcomeKind::kRefused, {}, error}, {}, {}, false, {}}, 0.0);
 }
 
 void StageRun::Dispatch(Seat& seat, Task task) {
@@ -221,14 +217,14 @@ void StageRun::Dispatch(Seat& seat, Task task) {
   task.start = Clock::now();
   const ItemSpec& spec = items_[task.index];
   const int side_by_side = std::max(1, std::min(state_.options.jobs, static_cast<int>(items_.size())));
-  json request = ToJson(StageRequest{stage_.name,
-                                     spec.item,
-                                     spec.options.Whole(),
-                                     {},
-                                     task.folder / "artifact",
-                                     task.scratch.folder,
-                                     std::max(1, state_.options.jobs / side_by_side)});
-  request["inputs"] = ToJson(spec.inputs);  // of a stage over the whole set there are many: no further copy
+  json request = StageRequest{stage_.name,
+                              spec.item,
+                              spec.options.Whole(),
+                              {},
+                              task.folder / "artifact",
+                              task.scratch.folder,
+                              std::max(1, state_.options.jobs / side_by_side)};
+  request["inputs"] = spec.inputs;  // of a stage over the whole set there are many: no further copy
   seat.worker->Send(request);
   seat.task = std::move(task);
 }
@@ -291,7 +287,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
                  outcome.error.Message());
     }
   }
-  Count(report_, result);
+  CountItem(result, report_);
   report_.items[index] = std::move(result);
 }
 
@@ -307,6 +303,25 @@ Error StageRun::Interrupted() const {
               " of " + Counted(static_cast<long long>(items_.size()), "item"),
           {},
           "run the same command again to continue"};
+}
+
+void Origins::Add(const StageDeclaration& stage, const ItemSpec& spec, const std::filesystem::path& artifact) {
+  if (stages_.empty() || stages_.back().name != stage.name) stages_.push_back(stage);
+  Known& known = known_[artifact.filename().native()];
+  known = {stages_.size() - 1, spec.item, spec.options, {}};
+  known.inputs.reserve(spec.inputs.size());
+  for (const StageInput& input : spec.inputs) known.inputs.push_back(Packed(input));
+}
+
+std::optional<Origins::Origin> Origins::Of(const std::filesystem::path& artifact) const {
+  const auto found = known_.find(artifact.filename().native());
+  if (found == known_.end()) return std::nullopt;
+  const Known& known = found->second;
+  Origin origin{stages_[known.stage], {known.item, known.options, {}}};
+  for (const std::vector<std::uint8_t>& packed : known.inputs) {
+    origin.spec.inputs.push_back(json::from_cbor(packed).get<StageInput>());
+  }
+  return origin;
 }
 
 }  // namespace mocurate

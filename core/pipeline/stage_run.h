@@ -11,13 +11,34 @@
 #include "core/pipeline/interruption.h"
 #include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
-#include "core/pipeline/origins.h"
 #include "core/pipeline/progress.h"
 #include "core/pipeline/runner.h"
 #include "core/pipeline/worker_process.h"
 #include "core/pipeline/workspace.h"
 
 namespace mocurate {
+
+/// How the artifacts of one runner were made, so that a damaged one can be made again.
+class Origins {
+ public:
+  struct Origin {
+    StageDeclaration stage;
+    ItemSpec spec;
+  };
+  void Add(const StageDeclaration& stage, const ItemSpec& spec, const std::filesystem::path& artifact);
+  /// Empty for an artifact that this runner does not know.
+  std::optional<Origin> Of(const std::filesystem::path& artifact) const;
+
+ private:
+  struct Known {
+    std::size_t stage = 0;  ///< in stages_
+    std::string item;
+    ItemOptions options;
+    std::vector<std::vector<std::uint8_t>> inputs;  ///< each packed: a run holds 100,000 items of each stage
+  };
+  std::vector<StageDeclaration> stages_;
+  std::map<std::string, Known> known_;  ///< by name of the artifact's file, which holds most of its key
+};
 
 /// What a runner keeps from stage to stage.
 struct RunnerState {
@@ -33,6 +54,8 @@ struct RunnerState {
   std::unique_ptr<Interruption> interruption;
   std::vector<std::unique_ptr<WorkerProcess>> idle;  ///< workers waiting for the next stage
 };
+
+void CountItem(const ItemResult& result, StageReport& report);
 
 /// Inputs of an item that lie in the cache and do not hold the bytes that were recorded when they were made.
 std::vector<std::filesystem::path> DamagedInputs(const RunnerState& state, const ItemSpec& spec);

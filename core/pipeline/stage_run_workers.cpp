@@ -9,7 +9,6 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/stage_run.h"
-#include "core/pipeline/wire.h"
 
 namespace mocurate {
 namespace {
@@ -136,10 +135,7 @@ void StageRun::Answer(Seat& seat, const json& message) {
   if (message.contains("fatal")) {
     const Expected<Error> error = ErrorFromJson(message["fatal"]);
     if (error && error->code == ErrorCode::kInternal && !DamagedInputs(state_, items_[seat.task->index]).empty()) {
-      StageOutcome refused;
-      refused.kind = OutcomeKind::kRefused;
-      refused.error = *error;
-      return Finish(seat, std::move(refused));
+      return Finish(seat, {{OutcomeKind::kRefused, {}, *error}});
     }
     std::error_code ignored;
     fs::remove_all(seat.task->folder, ignored);
@@ -148,10 +144,7 @@ void StageRun::Answer(Seat& seat, const json& message) {
   }
   Expected<StageOutcome> outcome = OutcomeFromJson(message.contains("outcome") ? message["outcome"] : json(nullptr));
   if (outcome) return Finish(seat, *std::move(outcome));
-  StageOutcome crashed;
-  crashed.kind = OutcomeKind::kCrashed;
-  crashed.error = outcome.error();
-  Finish(seat, std::move(crashed));
+  Finish(seat, {{OutcomeKind::kCrashed, {}, outcome.error()}});
 }
 
 void StageRun::OnHello(Seat& seat, const json& stages) {
@@ -169,11 +162,8 @@ void StageRun::Lost(Seat& seat) {
   const int status = seat.worker->exit_status();
   const std::string why = seat.verdict.empty() ? death : seat.verdict;
   if (seat.task) {
-    StageOutcome crashed;
-    crashed.kind = OutcomeKind::kCrashed;
-    crashed.error = {seat.verdict.empty() ? ErrorCode::kInternal : ErrorCode::kUnsupported, "worker " + why,
-                     "stage " + stage_.name, seat.way_out};
-    Finish(seat, std::move(crashed));
+    const ErrorCode code = seat.verdict.empty() ? ErrorCode::kInternal : ErrorCode::kUnsupported;
+    Finish(seat, {{OutcomeKind::kCrashed, {}, {code, "worker " + why, "stage " + stage_.name, seat.way_out}}});
   } else if (!seat.said_hello && !fatal_ && (status == kCannotExecute || ++failed_starts_ >= kStartsTried)) {
     GiveUp({ErrorCode::kMissingOnHost, "worker program '" + stage_.worker + "' does not start: " + why,
             DisplayPath(program_), "`mocurate doctor` lists what is missing"});

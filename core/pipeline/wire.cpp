@@ -76,12 +76,12 @@ bool IsPlain(const json& value) {
   return true;
 }
 
+/// In the order of OutcomeKind.
+constexpr std::string_view kKindNames[] = {"done", "suspect", "excluded", "refused", "crashed"};
+
 OutcomeKind KindFromName(const std::string& name) {
-  for (const OutcomeKind kind :
-       {OutcomeKind::kDone, OutcomeKind::kSuspect, OutcomeKind::kExcluded, OutcomeKind::kRefused}) {
-    if (Name(kind) == name) return kind;
-  }
-  return OutcomeKind::kCrashed;
+  const auto found = std::find(std::begin(kKindNames), std::prev(std::end(kKindNames)), name);
+  return static_cast<OutcomeKind>(found - std::begin(kKindNames));
 }
 
 Error ReadError(const json& value) {
@@ -93,32 +93,9 @@ Error ReadError(const json& value) {
                value.value("number", 0.0)};
 }
 
-std::vector<StageInput> ReadInputs(const json& list) {
-  std::vector<StageInput> inputs;
-  for (const json& input : list) {
-    inputs.push_back({input.at("role").get<std::string>(), input.at("name").get<std::string>(),
-                      input.at("path").get<std::string>(), input.at("sha256").get<std::string>()});
-  }
-  return inputs;
-}
-
 }  // namespace
 
-std::string_view Name(OutcomeKind kind) {
-  switch (kind) {
-    case OutcomeKind::kDone:
-      return "done";
-    case OutcomeKind::kSuspect:
-      return "suspect";
-    case OutcomeKind::kExcluded:
-      return "excluded";
-    case OutcomeKind::kRefused:
-      return "refused";
-    case OutcomeKind::kCrashed:
-      return "crashed";
-  }
-  return "crashed";
-}
+std::string_view Name(OutcomeKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
 std::string CanonicalText(const json& value) {
   return IsPlain(value) ? value.dump() : WithStrings(value, Escape).dump();
@@ -145,25 +122,6 @@ json ToJson(const StageOutcome& outcome) {
   return value;
 }
 
-json ToJson(const std::vector<StageInput>& inputs) {
-  json list = json::array();
-  for (const StageInput& input : inputs) {
-    list.push_back(
-        {{"role", input.role}, {"name", input.name}, {"path", input.path.native()}, {"sha256", input.sha256}});
-  }
-  return list;
-}
-
-json ToJson(const StageRequest& request) {
-  return {{"stage", request.stage},
-          {"item", request.item},
-          {"options", request.options},
-          {"inputs", ToJson(request.inputs)},
-          {"output", request.output.native()},
-          {"scratch", request.scratch.native()},
-          {"threads", request.threads}};
-}
-
 Expected<Error> ErrorFromJson(const json& value) {
   return GuardJson("error", [&] { return ReadError(value); });
 }
@@ -179,22 +137,8 @@ Expected<StageOutcome> OutcomeFromJson(const json& value) {
   });
 }
 
-Expected<std::vector<StageInput>> InputsFromJson(const json& value) {
-  return GuardJson("list of inputs", [&] { return ReadInputs(value); });
-}
-
 Expected<StageRequest> RequestFromJson(const json& value) {
-  return GuardJson("request", [&] {
-    StageRequest request;
-    request.stage = value.at("stage").get<std::string>();
-    request.item = value.at("item").get<std::string>();
-    request.options = value.at("options");
-    request.inputs = ReadInputs(value.at("inputs"));
-    request.output = value.at("output").get<std::string>();
-    request.scratch = value.at("scratch").get<std::string>();
-    request.threads = value.at("threads").get<int>();
-    return request;
-  });
+  return GuardJson("request", [&] { return value.get<StageRequest>(); });
 }
 
 std::string Frame(const json& message) {

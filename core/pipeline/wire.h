@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/base/error.h"
 #include "core/pipeline/stage.h"
@@ -20,13 +19,10 @@ Expected<nlohmann::json> FromCanonicalText(std::string_view text, const std::str
 
 nlohmann::json ToJson(const Error& error);
 nlohmann::json ToJson(const StageOutcome& outcome);
-nlohmann::json ToJson(const std::vector<StageInput>& inputs);
-nlohmann::json ToJson(const StageRequest& request);
 
 /// Error kMalformed when a part is missing or has another type.
 Expected<Error> ErrorFromJson(const nlohmann::json& json);
 Expected<StageOutcome> OutcomeFromJson(const nlohmann::json& json);
-Expected<std::vector<StageInput>> InputsFromJson(const nlohmann::json& json);
 Expected<StageRequest> RequestFromJson(const nlohmann::json& json);
 
 /// One message as it travels: length (4 bytes, little endian), then its canonical text.

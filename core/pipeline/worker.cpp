@@ -100,10 +100,8 @@ bool EndsTheRun(ErrorCode code) {
 }
 
 json Crashed(const StageRequest& request, const std::string& what) {
-  StageOutcome outcome;
-  outcome.kind = OutcomeKind::kCrashed;
-  outcome.error = {ErrorCode::kInternal, what, "stage " + request.stage + ", item " + request.item, {}};
-  return {{"outcome", ToJson(outcome)}};
+  const Error error{ErrorCode::kInternal, what, "stage " + request.stage + ", item " + request.item, {}};
+  return {{"outcome", ToJson(StageOutcome{{OutcomeKind::kCrashed, {}, error}})}};
 }
 
 json Answer(const StageFunction& stage, const StageRequest& request) {
@@ -112,10 +110,7 @@ json Answer(const StageFunction& stage, const StageRequest& request) {
     const Expected<StageOutcome> outcome = GuardJson(where, [&] { return stage(request); });
     if (outcome) return {{"outcome", ToJson(*outcome)}};
     if (EndsTheRun(outcome.error().code)) return {{"fatal", ToJson(outcome.error())}};
-    StageOutcome refused;
-    refused.kind = OutcomeKind::kRefused;
-    refused.error = outcome.error();
-    return {{"outcome", ToJson(refused)}};
+    return {{"outcome", ToJson(StageOutcome{{OutcomeKind::kRefused, {}, outcome.error()}})}};
   } catch (const std::bad_alloc&) {
     return Crashed(request, "memory ran out");
   } catch (const std::exception& exception) {

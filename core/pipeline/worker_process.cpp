@@ -19,7 +19,7 @@ namespace mocurate {
 namespace {
 
 constexpr int kGrace_ms = 2000;
-constexpr std::size_t kLongestLine = 65536;
+constexpr std::size_t kLongestOutput = 65536;
 
 struct Pipe {
   int read = -1, write = -1;
@@ -168,7 +168,7 @@ void WorkerProcess::ReadStderr() {
     if (count <= 0) break;
     partial_line_.append(bytes, static_cast<std::size_t>(count));
   }
-  if (partial_line_.size() > kLongestLine) partial_line_ += '\n';
+  if (partial_line_.size() > kLongestOutput) partial_line_ += '\n';
   std::size_t end = partial_line_.find('\n');
   while (end != std::string::npos) {
     std::string line = partial_line_.substr(0, end);

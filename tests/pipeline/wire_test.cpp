@@ -65,9 +65,9 @@ TEST(Wire, BytesThatAreNotAMessageAreAnError) {
 TEST(Wire, RequestsAndOutcomesKeepAllTheirParts) {
   const StageRequest request{"fitting",  "kard/s1\xff", {{"weight", 0.1}}, {{"evidence", "e", "/a b/\xff", "00"}},
                              "/tmp/out", "/tmp/scratch"};
-  const Expected<StageRequest> back = RequestFromJson(*FromCanonicalText(CanonicalText(ToJson(request))));
+  const Expected<StageRequest> back = RequestFromJson(*FromCanonicalText(CanonicalText(request)));
   ASSERT_TRUE(back);
-  EXPECT_EQ(ToJson(*back), ToJson(request));
+  EXPECT_EQ(json(*back), json(request));
   EXPECT_EQ(back->inputs[0].path.native(), "/a b/\xff");
 
   StageOutcome outcome;
@@ -82,10 +82,6 @@ TEST(Wire, RequestsAndOutcomesKeepAllTheirParts) {
   EXPECT_EQ(read->findings, outcome.findings);
   EXPECT_EQ(read->summary, outcome.summary);
   EXPECT_EQ(read->error, outcome.error);
-  const auto inputs = InputsFromJson(ToJson(request.inputs));
-  ASSERT_TRUE(inputs);
-  EXPECT_EQ(ToJson(*inputs), ToJson(request.inputs));
-  EXPECT_FALSE(InputsFromJson({{{"role", "evidence"}}}));
   EXPECT_FALSE(OutcomeFromJson({{"kind", 3}}));
   EXPECT_FALSE(RequestFromJson({{"stage", "x"}}));
 }
