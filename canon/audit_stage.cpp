@@ -9,7 +9,6 @@
 #include "canon/stages.h"
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/motion/fingerprint.h"
 #include "core/store/feature_file.h"
 #include "core/store/store.h"
 

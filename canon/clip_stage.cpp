@@ -18,7 +18,6 @@
 #include "core/motion/gaps.h"
 #include "core/motion/motion.h"
 #include "core/motion/operations.h"
-#include "core/motion/tracks.h"
 #include "core/pipeline/stage.h"
 #include "core/store/store.h"
 

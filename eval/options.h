@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/motion/clip_part.h"
+#include "core/motion/action_parts.h"
 #include "core/motion/one_euro.h"
-#include "core/quality/padding_action.h"
+#include "core/quality/padding.h"
 #include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
 

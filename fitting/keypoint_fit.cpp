@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/geometry/symmetric.h"
 #include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/audit/rig_hypotheses.h"

@@ -13,7 +13,6 @@
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
-#include "core/motion/tracks.h"
 #include "core/quality/padding.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"

@@ -8,7 +8,6 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/formats/span_table.h"
-#include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "report/annotate_page.h"
 #include "report/stages.h"

@@ -5,7 +5,6 @@
 #include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"

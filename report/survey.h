@@ -26,7 +26,7 @@ struct SurveySource {
 struct ShownMotion {
   std::string source;
   std::string clip;         ///< id
-  std::string fingerprint;  ///< of the shown motion (core/motion/fingerprint.h)
+  std::string fingerprint;  ///< of the shown motion (core/motion/motion.h)
 };
 
 struct SurveyQuestion {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/motion/clip_part.h"
+#include "core/motion/action_parts.h"
 
 namespace mocurate {
 

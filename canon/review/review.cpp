@@ -11,7 +11,6 @@
 #include "core/base/file.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
-#include "core/motion/fingerprint.h"
 #include "core/motion/operations.h"
 
 namespace mocurate {

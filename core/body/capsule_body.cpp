@@ -4,11 +4,9 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <string>
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/body/shape_offsets.h"
 
 namespace mocurate {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/body/shape_offsets.h"
+#include "core/body/capsule_body.h"
 
 #include <array>
 #include <cstddef>

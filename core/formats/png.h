@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/geometry/depth_image.h"
+#include "core/geometry/camera.h"
 
 namespace mocurate {
 

@@ -1,6 +1,5 @@
 #include "core/geometry/axes.h"
 
-#include <string>
 #include <vector>
 
 #include "core/base/text.h"

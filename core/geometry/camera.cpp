@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <cmath>
 
 namespace mocurate {
 namespace {
@@ -100,6 +99,20 @@ std::optional<AxesMeeting> NearestPointToAxes(const std::vector<RigidTransform>&
     meeting.miss.push_back((to_point - meeting.depth.back() * axes[i]).norm());
   }
   return meeting;
+}
+
+std::vector<Vector3d> BackProject(const DepthImage& depth, const Camera& camera, double metres_per_unit,
+                                  const PixelMask* mask) {
+  std::vector<Vector3d> points;
+  if (mask != nullptr && (mask->width != depth.width || mask->height != depth.height)) return points;
+  for (int v = 0; v < depth.height; ++v) {
+    for (int u = 0; u < depth.width; ++u) {
+      const std::size_t pixel = static_cast<std::size_t>(v) * depth.width + u;
+      if (depth.values[pixel] == 0 || (mask != nullptr && mask->inside[pixel] == 0)) continue;
+      points.push_back(camera.Unproject(Vector2d(u, v), depth.values[pixel] * metres_per_unit));
+    }
+  }
+  return points;
 }
 
 }  // namespace mocurate

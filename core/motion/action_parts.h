@@ -3,10 +3,15 @@
 #include <array>
 #include <string>
 
-#include "core/motion/clip.h"
-#include "core/motion/clip_part.h"
+#include "core/base/error.h"
 
 namespace mocurate {
+
+struct Clip;
+struct Motion;
+
+/// Which part of a sample [previous action, transition, action] is meant (multiact.md A.3).
+enum class ClipPart { kWhole, kTransition, kAction };
 
 /// The three parts of a sample of MultiAct: they follow each other and fill the clip.
 struct ActionParts {

@@ -67,15 +67,8 @@ Matrix3d RestAxes(const Skeleton& skeleton) {
 }
 
 const char* Name(YawSource source) {
-  switch (source) {
-    case YawSource::kHipAxis:
-      return "hip_axis";
-    case YawSource::kForwardAxis:
-      return "forward_axis";
-    case YawSource::kTwist:
-      return "twist";
-  }
-  return "";
+  static constexpr const char* kNames[] = {"hip_axis", "forward_axis", "twist"};
+  return kNames[static_cast<std::size_t>(source)];
 }
 
 Expected<Matrix3d> BodyAxes(const Motion& motion, int frame) {

@@ -4,8 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/motion/joint_namespace.h"
-
 namespace mocurate {
 namespace {
 

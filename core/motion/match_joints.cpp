@@ -2,7 +2,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/motion/joint_namespace.h"
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 

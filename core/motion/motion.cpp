@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/rate_limits.h"
@@ -71,12 +72,7 @@ Status CheckNumbers(const Motion& m) {
 }
 
 Status CheckKinematics(const Motion& m) {
-  Motion computed;
-  computed.skeleton = m.skeleton;
-  computed.root_translation = m.root_translation;
-  computed.rotation = m.rotation;
-  computed.bone_length = m.bone_length;
-  ComputeJoints(computed);
+  const Motion computed = MakeMotion(m.skeleton, m.rate, m.root_translation, m.rotation, m.bone_length);
   for (int f = 0; f < m.frame_count(); ++f) {
     for (int j = 0; j < m.joint_count(); ++j) {
       const double distance = (m.joints.at(f, j) - computed.joints.at(f, j)).norm();
@@ -147,6 +143,15 @@ Status Motion::Check() const {
   if (Status ok = CheckShapes(*this); !ok) return ok;
   if (Status ok = CheckNumbers(*this); !ok) return ok;
   return joints_only() ? Status{} : CheckKinematics(*this);
+}
+
+std::string MotionFingerprint(const Motion& motion) {
+  Sha256 hasher;
+  hasher.Add(motion.rate.Text() + " " + std::to_string(motion.frame_count()) + " " +
+             std::to_string(motion.joint_count()) + "\n");
+  const std::vector<float> stored(motion.joints.xyz.begin(), motion.joints.xyz.end());
+  hasher.Add(stored.data(), stored.size() * sizeof(float));
+  return hasher.Hex().substr(0, 16);
 }
 
 }  // namespace mocurate

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/symmetric.h"
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 
@@ -43,14 +42,9 @@ struct Span {
   double end_s = 0.0;
 };
 
-struct Rows {
-  int begin = 0;
-  int end = 0;
-};
-
 /// Rows of a part of the evidence: the same frames if it has as many as the clip, else those whose time lies in the
 /// span (half a microsecond of tolerance: frame times computed in another way fall on the same side).
-Rows RowsOf(const Span& span, const std::vector<double>& times) {
+FrameRun RowsOf(const Span& span, const std::vector<double>& times) {
   if (static_cast<int>(times.size()) == span.frames) return {span.begin_frame, span.end_frame};
   const double slack = 5e-7;
   const auto first = std::lower_bound(times.begin(), times.end(), span.zero_s + span.begin_s - slack);
@@ -59,7 +53,7 @@ Rows RowsOf(const Span& span, const std::vector<double>& times) {
 }
 
 /// Times from the start of the span, the same for every part: simultaneous samples stay simultaneous.
-void CutTimes(std::vector<double>& times, Rows rows, const Span& span) {
+void CutTimes(std::vector<double>& times, FrameRun rows, const Span& span) {
   const double zero = span.zero_s + span.begin_s;
   KeepRows(times, static_cast<int>(times.size()), rows.begin, rows.end);
   for (double& time : times) time -= zero;
@@ -67,7 +61,7 @@ void CutTimes(std::vector<double>& times, Rows rows, const Span& span) {
 
 void CutTracks(JointTracks& tracks, const Span& span) {
   if (tracks.time_s.empty()) return;
-  const Rows rows = RowsOf(span, tracks.time_s);
+  const FrameRun rows = RowsOf(span, tracks.time_s);
   KeepRows(tracks.confidence, tracks.positions.frames, rows.begin, rows.end);
   KeepRows(tracks.rotation, tracks.positions.frames, rows.begin, rows.end);
   KeepRows(tracks.rotation_confidence, tracks.positions.frames, rows.begin, rows.end);
@@ -77,7 +71,7 @@ void CutTracks(JointTracks& tracks, const Span& span) {
 
 void CutView(DepthView& view, const Span& span) {
   if (view.time_s.empty()) return;
-  const Rows rows = RowsOf(span, view.time_s);
+  const FrameRun rows = RowsOf(span, view.time_s);
   KeepRows(view.sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.masks, static_cast<int>(view.files.size()), rows.begin, rows.end);
   KeepRows(view.mask_sha256, static_cast<int>(view.files.size()), rows.begin, rows.end);
@@ -87,7 +81,7 @@ void CutView(DepthView& view, const Span& span) {
 
 void CutClouds(CloudFiles& clouds, const Span& span) {
   if (clouds.time_s.empty()) return;
-  const Rows rows = RowsOf(span, clouds.time_s);
+  const FrameRun rows = RowsOf(span, clouds.time_s);
   KeepRows(clouds.sha256, static_cast<int>(clouds.files.size()), rows.begin, rows.end);
   KeepRows(clouds.files, static_cast<int>(clouds.files.size()), rows.begin, rows.end);
   CutTimes(clouds.time_s, rows, span);
@@ -95,7 +89,7 @@ void CutClouds(CloudFiles& clouds, const Span& span) {
 
 void CutKeypoints(KeypointView& view, const Span& span) {
   if (view.time_s.empty()) return;
-  const Rows rows = RowsOf(span, view.time_s);
+  const FrameRun rows = RowsOf(span, view.time_s);
   KeepRows(view.values, view.frames(), rows.begin, rows.end);
   CutTimes(view.time_s, rows, span);
 }

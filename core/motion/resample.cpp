@@ -104,12 +104,18 @@ Motion MotionAt(const Motion& motion, const std::vector<Place>& places, FrameRat
   return taken;
 }
 
-/// Times first, first + 1/rate, ... up to last.
-std::vector<double> TimesBetween(double first, double last, FrameRate rate) {
-  std::vector<double> times;
-  const std::int64_t count = static_cast<std::int64_t>(std::floor((last - first) * rate.hz() + 1e-6)) + 1;
-  for (std::int64_t k = 0; k < count; ++k) times.push_back(first + rate.FrameTime(k));
-  return times;
+/// Replaces two times or more by the first, first + 1/rate, ... up to the last; the places of these among the old ones.
+std::vector<Place> Retime(std::vector<double>& times, FrameRate rate) {
+  std::vector<double> taken;
+  std::vector<Place> places;
+  const double span = (times.back() - times.front()) * rate.hz();
+  const std::int64_t count = static_cast<std::int64_t>(std::floor(span + 1e-6)) + 1;
+  for (std::int64_t k = 0; k < count; ++k) {
+    taken.push_back(times.front() + rate.FrameTime(k));
+    places.push_back(PlaceInTime(times, taken.back()));
+  }
+  times = std::move(taken);
+  return places;
 }
 
 /// Between two recorded rotations the shortest rotation.
@@ -136,9 +142,7 @@ void ResampleRotations(JointTracks& tracks, const std::vector<Place>& places) {
 
 void ResampleTracks(JointTracks& tracks, FrameRate rate) {
   if (tracks.time_s.size() < 2) return;
-  const std::vector<double> times = TimesBetween(tracks.time_s.front(), tracks.time_s.back(), rate);
-  std::vector<Place> places;
-  for (const double time : times) places.push_back(PlaceInTime(tracks.time_s, time));
+  const std::vector<Place> places = Retime(tracks.time_s, rate);
   const int points = tracks.positions.joints;
   std::vector<double> confidence;
   for (const Place& place : places) {
@@ -157,41 +161,31 @@ void ResampleTracks(JointTracks& tracks, FrameRate rate) {
     }
   }
   tracks.confidence = std::move(confidence);
-  tracks.time_s = times;
 }
 
 void ResampleView(DepthView& view, FrameRate rate) {
   if (view.time_s.size() < 2) return;
-  const std::vector<double> times = TimesBetween(view.time_s.front(), view.time_s.back(), rate);
-  std::vector<Place> places;
-  for (const double time : times) places.push_back(PlaceInTime(view.time_s, time));
+  const std::vector<Place> places = Retime(view.time_s, rate);
   const int frames = static_cast<int>(view.files.size());
   view.files = Nearer(view.files, frames, places);
   view.sha256 = Nearer(view.sha256, frames, places);
   view.masks = Nearer(view.masks, frames, places);
   view.mask_sha256 = Nearer(view.mask_sha256, frames, places);
-  view.time_s = times;
 }
 
 void ResampleClouds(CloudFiles& clouds, FrameRate rate) {
   if (clouds.time_s.size() < 2) return;
-  const std::vector<double> times = TimesBetween(clouds.time_s.front(), clouds.time_s.back(), rate);
-  std::vector<Place> places;
-  for (const double time : times) places.push_back(PlaceInTime(clouds.time_s, time));
+  const std::vector<Place> places = Retime(clouds.time_s, rate);
   const int frames = static_cast<int>(clouds.files.size());
   clouds.files = Nearer(clouds.files, frames, places);
   clouds.sha256 = Nearer(clouds.sha256, frames, places);
-  clouds.time_s = times;
 }
 
 /// People are not tracked from image to image: the nearest image is taken unchanged.
 void ResampleKeypoints(KeypointView& view, FrameRate rate) {
   if (view.time_s.size() < 2) return;
-  const std::vector<double> times = TimesBetween(view.time_s.front(), view.time_s.back(), rate);
-  std::vector<Place> places;
-  for (const double time : times) places.push_back(PlaceInTime(view.time_s, time));
-  view.values = Nearer(view.values, view.frames(), places);
-  view.time_s = times;
+  const int frames = view.frames();
+  view.values = Nearer(view.values, frames, Retime(view.time_s, rate));
 }
 
 }  // namespace

@@ -106,4 +106,25 @@ Expected<SkeletonPtr> LoadSkeleton(const std::string& name_or_path);
 /// From YAML text; `name` is shown in messages.
 Expected<SkeletonPtr> ParseSkeleton(const std::string& yaml, const std::string& name);
 
+/// Position on a body of a point that a tracker lists as a joint: fixed to a joint of the body, with a standard
+/// deviation. A tracker's "neck" may lie between the shoulders.
+struct PointPlace {
+  std::string point;                   ///< joint of the tracker's skeleton
+  std::string joint;                   ///< joint of the body (names of smpl24) that the point moves with
+  Vector3d offset = Vector3d::Zero();  ///< in that joint's frame, rest pose, metres
+  double spread = 0.0;                 ///< standard deviation per axis, metres: of people, clothes and the tracker
+};
+
+/// `on_body` of a skeleton of LoadSkeleton, in its order; empty for one whose joints are those of a body. Needs yaml.
+Expected<std::vector<PointPlace>> LoadPointPlaces(const std::string& name_or_path);
+
+/// Names of one skeleton's joints without the exporter's common prefix: "mixamorig:Hips", "mixamorigHips",
+/// "Character1_Hips", "Armature|Hips" and "Bip01 L Thigh" become "Hips" and "L Thigh". Everything before the last ':'
+/// or '|' is removed. Then the common prefix of all names but the root's, and of at least 5, is removed, up to a
+/// separator or to a capital letter in every name. No name becomes empty, and different names stay different.
+std::vector<std::string> WithoutNamespace(std::vector<std::string> names);
+
+/// The same names where the skeleton knows each of them, else without their namespace.
+std::vector<std::string> NamesIn(const Skeleton& skeleton, const std::vector<std::string>& names);
+
 }  // namespace mocurate

@@ -7,7 +7,6 @@
 #include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
-#include "core/motion/point_places.h"
 #include "core/motion/skeleton.h"
 
 namespace mocurate {

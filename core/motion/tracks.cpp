@@ -1,4 +1,4 @@
-#include "core/motion/tracks.h"
+#include "core/motion/operations.h"
 
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/motion/motion.h"
+
 namespace mocurate {
 namespace {
 

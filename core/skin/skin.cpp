@@ -114,10 +114,8 @@ Expected<Body> BodyOfSmpl(const std::filesystem::path& file) {
 /// For each joint of the body the skeleton's, or that of its nearest ancestor that the skeleton has.
 Expected<std::vector<int>> JointsOf(const Body& body, const Skeleton& skeleton, const std::string& where) {
   std::vector<int> joint_of(body.joint_names.size(), -1);
-  std::vector<bool> own(body.joint_names.size(), false);
   for (std::size_t b = 0; b < joint_of.size(); ++b) {
     const auto found = body.joint_names[b].empty() ? std::nullopt : skeleton.FindJoint(body.joint_names[b]);
-    own[b] = found.has_value();
     if (!found && !body.joint_names[b].empty() && b < std::size(kSmplJoints)) {
       return Fail(ErrorCode::kInconsistent,
                   "skeleton '" + skeleton.name + "' has no joint '" + body.joint_names[b] +
@@ -126,7 +124,7 @@ Expected<std::vector<int>> JointsOf(const Body& body, const Skeleton& skeleton, 
     }
     const int parent = body.parents[b];
     joint_of[b] = found ? *found : parent < 0 ? 0 : joint_of[static_cast<std::size_t>(parent)];
-    if (!own[b] || parent < 0) continue;
+    if (!found || parent < 0) continue;
     if (skeleton.joints[static_cast<std::size_t>(joint_of[b])].parent != joint_of[static_cast<std::size_t>(parent)]) {
       return Fail(ErrorCode::kInconsistent,
                   "joint '" + body.joint_names[b] + "' has another parent in skeleton '" + skeleton.name + "'", where,

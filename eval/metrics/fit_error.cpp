@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "core/geometry/symmetric.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/body/bone_capsules.h"
-#include "core/body/shape_offsets.h"
+#include "core/body/capsule_body.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/capsule_fit.h"
 #include "fitting/clouds/cloud_equations.h"

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/base/pi.h"
-#include "core/geometry/symmetric.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/solver/rest_sigmas.h"

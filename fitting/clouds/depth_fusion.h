@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/geometry/depth_image.h"
 #include "core/motion/clip.h"
 #include "fitting/options.h"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "core/geometry/depth_image.h"
+#include "core/geometry/camera.h"
 
 namespace mocurate {
 

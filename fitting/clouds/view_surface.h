@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/geometry/depth_image.h"
 #include "core/motion/clip.h"
 
 namespace mocurate {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/motion/clip.h"
-#include "core/motion/point_places.h"
 
 namespace mocurate {
 

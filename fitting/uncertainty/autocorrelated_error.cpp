@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/median.h"
-#include "core/geometry/symmetric.h"
 #include "fitting/costs/huber.h"
 
 namespace mocurate {

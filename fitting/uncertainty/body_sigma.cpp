@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/geometry/rotation.h"
-#include "core/geometry/symmetric.h"
 
 namespace mocurate {
 namespace {

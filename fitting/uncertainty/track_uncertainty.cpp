@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/symmetric.h"
 #include "fitting/uncertainty/autocorrelated_error.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"

@@ -5,7 +5,7 @@
 #include "core/formats/file_rules.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
-#include "core/motion/tracks.h"
+#include "core/motion/operations.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "core/base/text.h"
-#include "core/motion/joint_namespace.h"
 
 namespace mocurate {
 namespace {

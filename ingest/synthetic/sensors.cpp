@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/body/mesh_depth.h"
+#include "core/body/skinned_body.h"
 #include "core/motion/kinematics.h"
 
 namespace mocurate {

@@ -7,7 +7,6 @@
 #include "core/body/bone_capsules.h"
 #include "core/formats/openpose.h"
 #include "core/geometry/camera.h"
-#include "core/geometry/depth_image.h"
 #include "core/motion/motion.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/studio_options.h"

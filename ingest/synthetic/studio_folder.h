@@ -8,7 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "core/geometry/depth_image.h"
 #include "core/store/store.h"
 
 namespace mocurate {

@@ -15,7 +15,6 @@
 #include "core/base/table_text.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
-#include "core/motion/fingerprint.h"
 #include "core/store/dataset_clips.h"
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"

@@ -17,7 +17,6 @@
 #include <Eigen/LU>
 
 #include "core/base/random.h"
-#include "core/geometry/symmetric.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "tests/benchmarks/clip_lines.h"

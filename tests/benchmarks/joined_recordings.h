@@ -10,7 +10,7 @@
 #include "core/base/random.h"
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
-#include "core/motion/tracks.h"
+#include "core/motion/operations.h"
 #include "tests/canon/studio_recordings.h"
 #include "tests/ingest/sources.h"
 

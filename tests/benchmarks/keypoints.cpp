@@ -19,7 +19,6 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/symmetric.h"
 #include "core/store/body_file.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/keypoint_fit.h"

@@ -10,7 +10,7 @@
 #include <map>
 #include <vector>
 
-#include "core/body/shape_offsets.h"
+#include "core/body/capsule_body.h"
 #include "fitting/clouds/capsule_offsets.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_shape.h"

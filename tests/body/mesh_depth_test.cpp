@@ -1,5 +1,5 @@
 // Depth images of triangle meshes.
-#include "core/body/mesh_depth.h"
+#include "core/body/skinned_body.h"
 
 #include <gtest/gtest.h>
 

@@ -15,7 +15,6 @@
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
-#include "core/motion/tracks.h"
 #include "core/quality/contacts.h"
 #include "tests/ingest/sources.h"
 

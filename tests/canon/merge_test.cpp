@@ -10,7 +10,6 @@
 #include "canon/values/merge.h"
 #include "canon/values/set_files.h"
 #include "canon/values/subset.h"
-#include "core/motion/fingerprint.h"
 #include "tests/canon/value_sets.h"
 #include "tests/support/scratch_folder.h"
 

@@ -13,7 +13,6 @@
 #include "canon/review/review.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
-#include "core/motion/fingerprint.h"
 #include "tests/canon/moving_clips.h"
 #include "tests/support/scratch_folder.h"
 

@@ -6,7 +6,7 @@
 #include "canon/options.h"
 #include "canon/trim/trim.h"
 #include "core/base/random.h"
-#include "core/motion/tracks.h"
+#include "core/motion/operations.h"
 #include "tests/canon/moving_clips.h"
 
 namespace mocurate {

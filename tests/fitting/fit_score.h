@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/symmetric.h"
 #include "core/motion/kinematics.h"
 #include "fitting/fit_result.h"
 #include "tests/fitting/studio_clips.h"

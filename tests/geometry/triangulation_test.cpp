@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "core/base/random.h"
-#include "core/geometry/depth_image.h"
 #include "tests/support/linear_triangulation.h"
 #include "tests/support/point_grid.h"
 

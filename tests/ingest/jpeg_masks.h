@@ -3,7 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "core/geometry/depth_image.h"
+#include "core/geometry/camera.h"
 
 namespace mocurate::test {
 

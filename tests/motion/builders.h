@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "core/geometry/symmetric.h"
 #include "core/motion/clip.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/skeleton.h"

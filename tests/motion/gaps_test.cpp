@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "core/motion/operations.h"
-#include "core/motion/tracks.h"
 #include "tests/motion/builders.h"
 
 namespace mocurate {

@@ -1,4 +1,4 @@
-#include "core/motion/joint_namespace.h"
+#include "core/motion/skeleton.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,6 +7,7 @@
 
 #include "canon/review/review.h"
 #include "core/motion/fingerprint.h"
+#include "report/review_page.h"
 #include "report/stages.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "core/geometry/symmetric.h"
 #include "core/store/body_file.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "tests/fitting/takes.h"

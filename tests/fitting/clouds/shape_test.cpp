@@ -10,7 +10,7 @@
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
-#include "core/body/shape_offsets.h"
+#include "core/body/capsule_body.h"
 #include "core/body/skinned_body.h"
 #include "core/store/body_file.h"
 #include "core/store/store.h"

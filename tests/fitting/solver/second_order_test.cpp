@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "core/geometry/symmetric.h"
 #include "tests/fitting/takes.h"
 
 namespace mocurate {

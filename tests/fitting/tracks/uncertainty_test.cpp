@@ -8,7 +8,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "core/geometry/symmetric.h"
 #include "fitting/costs/hinge_cost.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"

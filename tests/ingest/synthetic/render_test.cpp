@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/body/mesh_depth.h"
+#include "core/body/skinned_body.h"
 #include "core/formats/png.h"
 #include "core/store/body_file.h"
 #include "ingest/synthetic/rigs.h"
