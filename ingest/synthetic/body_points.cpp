@@ -136,15 +136,10 @@ const std::vector<BodyPlace>& Vibe49Places() {
     const auto add = [&](const std::string& name, const std::string& joint, const Vector3d& offset) {
       all.push_back({name, joint, offset});
     };
-    for (const char* name : {"ankle", "knee", "hip"})
-      add(std::string("right_") + name, std::string("right_") + name, kNone);
-    for (const char* name : {"hip", "knee", "ankle"})
-      add(std::string("left_") + name, std::string("left_") + name, kNone);
-    for (const char* name : {"wrist", "elbow", "shoulder"}) {
-      add(std::string("right_") + name, std::string("right_") + name, kNone);
-    }
-    for (const char* name : {"shoulder", "elbow", "wrist"}) {
-      add(std::string("left_") + name, std::string("left_") + name, kNone);
+    for (const char* joint :
+         {"right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle", "right_wrist", "right_elbow",
+          "right_shoulder", "left_shoulder", "left_elbow", "left_wrist"}) {
+      add(joint, joint, kNone);
     }
     add("neck", "neck", {0.0, -0.04, 0.0});
     add("head_top", "head", kHeadTop);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/actions.h"
 
 namespace mocurate {
 namespace {

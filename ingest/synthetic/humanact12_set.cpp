@@ -8,7 +8,6 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/take_plan.h"
 

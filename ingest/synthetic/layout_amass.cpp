@@ -8,7 +8,6 @@
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/babel.h"
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/take_plan.h"

@@ -58,7 +58,6 @@ nlohmann::json LabelsJson(const PlannedSequence& sequence) {
 }  // namespace
 
 Status WriteDepthSequenceLayout(const StudioOptions& options, const std::vector<Actor>& actors, StudioFolder& folder) {
-  if (Status wanted = CheckVariants(options.actions); !wanted) return wanted;
   const std::vector<Camera> rig = RigOf(options.rig, SensorKind::kDepth);
   const RigFaults faults = FaultsOf(options.rig, rig, options.seed);
   for (const Camera& camera : rig) {

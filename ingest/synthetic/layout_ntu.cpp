@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/random.h"
 #include "core/base/text.h"
 #include "core/body/capsule_body.h"
 #include "core/formats/ntu_skeleton.h"
 #include "core/motion/kinematics.h"
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/rigs.h"

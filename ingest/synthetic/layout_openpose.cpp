@@ -2,7 +2,6 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/humanact12_set.h"
 #include "ingest/synthetic/layout.h"

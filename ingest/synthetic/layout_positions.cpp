@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "core/base/random.h"
 #include "core/base/text.h"

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "core/base/random.h"
@@ -9,7 +8,6 @@
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/motion.h"
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/body_points.h"
 #include "ingest/synthetic/layout.h"
 #include "ingest/synthetic/studio_options.h"

@@ -7,8 +7,7 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "ingest/synthetic/action_parts.h"
-#include "ingest/synthetic/pose.h"
+#include "ingest/synthetic/actions.h"
 
 namespace mocurate {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/motion/kinematics.h"
-#include "ingest/synthetic/action_parts.h"
+#include "ingest/synthetic/actions.h"
 
 namespace mocurate {
 namespace {
@@ -44,26 +44,18 @@ class Rotations {
 
 constexpr double kSupportSoft = 0.012;  // metres over which the weight shifts from one foot to the other
 
-/// Metres from a joint of a standing skeleton down to the floor.
-struct SoleHeights {
-  double heel = 0.055;  ///< below the ankle
-  double ball = 0.0;    ///< below the foot
-};
-
-/// kinect20 has its feet on the floor; smpl24 has the capsules of CapsuleBody below them.
-SoleHeights SolesOf(const Skeleton& skeleton) {
-  return skeleton.name == "kinect20" ? SoleHeights{} : SoleHeights{0.073, 0.013};
-}
-
 /// The four points a person stands on: heels and toes, relative to the root.
 std::array<Vector3d, 4> Soles(const Skeleton& skeleton, const std::vector<Vector3d>& joints, double scale) {
-  const SoleHeights heights = SolesOf(skeleton);
+  // Metres from ankle and foot of a standing skeleton down to the floor: kinect20 has its feet on it, smpl24 has the
+  // capsules of CapsuleBody below them.
+  const bool kinect = skeleton.name == "kinect20";
+  const double heel = kinect ? 0.055 : 0.073, ball = kinect ? 0.0 : 0.013;
   std::array<Vector3d, 4> soles;
   soles.fill(Vector3d::Zero());
   int next = 0;
   for (const char* name : {"left_ankle", "right_ankle", "left_foot", "right_foot"}) {
     soles[next] = joints[*skeleton.FindJoint(name)] - joints[0];
-    soles[next].y() -= (next < 2 ? heights.heel : heights.ball) * scale;
+    soles[next].y() -= (next < 2 ? heel : ball) * scale;
     ++next;
   }
   return soles;

@@ -5,7 +5,8 @@
 
 #include "core/base/random.h"
 #include "core/base/text.h"
-#include "ingest/synthetic/action_parts.h"
+#include "core/formats/pickle_writer.h"
+#include "ingest/synthetic/actions.h"
 
 namespace mocurate {
 namespace {
@@ -197,18 +198,10 @@ std::vector<Camera> RingRig(const RigOptions& options, SensorKind sensor) {
 
 std::vector<Camera> RigOf(const RigOptions& options, SensorKind sensor) {
   const std::vector<Camera> phspd = PhspdRig(1);
-  const auto first = phspd.begin() + (sensor == SensorKind::kDepth ? 1 : 4);
-  switch (options.kind) {
-    case RigKind::kPhspd:
-      return {first, first + 3};
-    case RigKind::kHuman36m:
-      return Human36mRig();
-    case RigKind::kOwn:
-      if (sensor == SensorKind::kDepth) return {first, first + 3};
-      break;
-    case RigKind::kRing:
-      break;
-  }
+  const bool is_depth = sensor == SensorKind::kDepth;
+  const auto first = phspd.begin() + (is_depth ? 1 : 4);
+  if (options.kind == RigKind::kPhspd || (options.kind == RigKind::kOwn && is_depth)) return {first, first + 3};
+  if (options.kind == RigKind::kHuman36m) return Human36mRig();
   return RingRig(options, sensor);
 }
 

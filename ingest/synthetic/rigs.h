@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "core/formats/pickle_writer.h"
 #include "core/geometry/camera.h"
 #include "ingest/synthetic/studio_options.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/synthetic/action_parts.h"
 #include "ingest/synthetic/pose.h"
 
 namespace mocurate {
@@ -14,34 +13,20 @@ constexpr double kTurnRate = 2.2;    // rad/s, of a standing person
 constexpr double kLeastTurn = 0.25;  // radians; smaller rotations need no step
 constexpr double kStepHz = 1.6;
 
-double Blend(double a, double b, double part) { return a + part * (b - a); }
-
-ArmPose Blend(const ArmPose& a, const ArmPose& b, double part) {
-  ArmPose arm = a;
-  Toward(arm, b, part);
-  return arm;
-}
-
-LegPose Blend(const LegPose& a, const LegPose& b, double part) {
-  return {Blend(a.flex, b.flex, part), Blend(a.abduct, b.abduct, part), Blend(a.twist, b.twist, part),
-          Blend(a.knee, b.knee, part), Blend(a.point, b.point, part)};
-}
-
 /// Part 0 gives `a`. The weight is on the lower foot.
 Pose Blend(const Pose& a, const Pose& b, double part) {
-  Pose pose;
+  Pose pose = a;
   for (int side : {kLeftSide, kRightSide}) {
-    pose.arm[side] = Blend(a.arm[side], b.arm[side], part);
-    pose.leg[side] = Blend(a.leg[side], b.leg[side], part);
+    Toward(pose.arm[side], b.arm[side], part);
+    for (const auto angle : {&LegPose::flex, &LegPose::abduct, &LegPose::twist, &LegPose::knee, &LegPose::point}) {
+      Toward(pose.leg[side].*angle, b.leg[side].*angle, part);
+    }
   }
-  pose.trunk_bend = Blend(a.trunk_bend, b.trunk_bend, part);
-  pose.trunk_twist = Blend(a.trunk_twist, b.trunk_twist, part);
-  pose.trunk_side = Blend(a.trunk_side, b.trunk_side, part);
-  pose.head_nod = Blend(a.head_nod, b.head_nod, part);
-  pose.head_rotation = Blend(a.head_rotation, b.head_rotation, part);
-  pose.lean = Blend(a.lean, b.lean, part);
-  pose.yaw = Blend(a.yaw, b.yaw, part);
-  pose.height = Blend(a.height, b.height, part);
+  for (const auto field : {&Pose::trunk_bend, &Pose::trunk_twist, &Pose::trunk_side, &Pose::head_nod,
+                           &Pose::head_rotation, &Pose::lean, &Pose::yaw, &Pose::height}) {
+    Toward(pose.*field, b.*field, part);
+  }
+  pose.left_support = Pose().left_support;
   return pose;
 }
 
@@ -143,7 +128,7 @@ std::vector<ScriptSpan> Transitions(const Script& script, FrameRate rate) {
   return Ways(script, Performer(script, anybody, rate));
 }
 
-std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRate rate) {
+Motion PerformScript(const Script& script, const Subject& subject, const SkeletonPtr& skeleton, FrameRate rate) {
   const Performer performer(script, subject, rate);
   const std::vector<ScriptSpan> ways = Ways(script, performer);
   std::vector<Pose> poses;
@@ -159,11 +144,7 @@ std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRat
     const bool on_the_way = k < ways.size() && f >= ways[k].begin;
     poses.push_back(on_the_way ? performer.Between(k, ways[k], f) : performer.During(k, f));
   }
-  return poses;
-}
-
-Motion PerformScript(const Script& script, const Subject& subject, const SkeletonPtr& skeleton, FrameRate rate) {
-  return MoveBody(skeleton, subject.bone_length, rate, PosesOf(script, subject, rate), Vector3d::Zero());
+  return MoveBody(skeleton, subject.bone_length, rate, poses, Vector3d::Zero());
 }
 
 }  // namespace mocurate

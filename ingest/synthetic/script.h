@@ -36,10 +36,7 @@ struct ScriptSpan {
 /// Frames of the transitions between actions. (actions - 1), at most the gap between them.
 std::vector<ScriptSpan> Transitions(const Script& script, FrameRate rate);
 
-/// Poses of every frame of the script.
-std::vector<Pose> PosesOf(const Script& script, const Subject& subject, FrameRate rate);
-
-/// MoveBody of these poses from (0, 0, 0).
+/// MoveBody of the poses of every frame of the script from (0, 0, 0).
 Motion PerformScript(const Script& script, const Subject& subject, const SkeletonPtr& skeleton, FrameRate rate);
 
 }  // namespace mocurate

@@ -1,7 +1,6 @@
 #include "ingest/synthetic/studio.h"
 
 #include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"

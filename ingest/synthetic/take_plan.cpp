@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/text.h"
-#include "ingest/synthetic/action_parts.h"
 
 namespace mocurate {
 
