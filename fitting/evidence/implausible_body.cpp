@@ -117,14 +117,8 @@ class BodyJudge {
   std::string Name(int joint) const { return tracks_.skeleton->joints[static_cast<std::size_t>(joint)].name; }
 
   void Report(const char* code, Severity severity, int joint, double value, std::string message) {
-    Finding finding;
-    finding.code = code;
-    finding.severity = severity;
-    if (joint >= 0) finding.joint = Name(joint);
-    finding.value = value;
-    finding.message = std::move(message);
-    finding.action = FindingAction::kFlagged;
-    findings_.push_back(std::move(finding));
+    findings_.push_back(MakeFinding(code, severity, value, std::move(message)));
+    if (joint >= 0) findings_.back().joint = Name(joint);
   }
 
   /// For a limb whose bones have implausible proportions as named, and plausible ones with its two joints exchanged:

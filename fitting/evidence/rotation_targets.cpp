@@ -69,13 +69,12 @@ Finding TooFew(int joints) {
 }
 
 Finding Disagreement(const std::string& joint, double sigma) {
-  Finding finding;
-  finding.code = "rotations_disagree";
+  const double degrees = sigma * 180.0 / kPi;
+  Finding finding = MakeFinding("rotations_disagree", Severity::kWarning, degrees,
+                                "the recorded rotations do not follow the joint: they scatter by " +
+                                    FormatDouble(std::round(degrees)) + " degrees",
+                                FindingAction::kExcluded);
   finding.joint = joint;
-  finding.value = sigma * 180.0 / kPi;
-  finding.message = "the recorded rotations do not follow the joint: they scatter by " +
-                    FormatDouble(std::round(finding.value)) + " degrees";
-  finding.action = FindingAction::kExcluded;
   return finding;
 }
 

@@ -9,6 +9,9 @@
 
 #include "core/base/text.h"
 #include "core/quality/checks.h"
+#include "core/quality/position_jumps.h"
+#include "core/quality/repeats.h"
+#include "core/quality/tracked_points.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/bone_violations.h"
 #include "fitting/repair/exchanges.h"
@@ -19,13 +22,8 @@ namespace {
 
 /// The repair of a finding, without joints.
 TrackRepair RepairOf(const Finding& finding) {
-  TrackRepair repair;
-  repair.code = finding.code;
-  repair.frame_begin = finding.frame_begin;
-  repair.frame_end = finding.frame_end;
-  repair.value = finding.value;
-  repair.message = finding.message;
-  return repair;
+  return {finding.code,   TrackRepair::Action::kExcluded, finding.frame_begin, finding.frame_end, {}, finding.value,
+          finding.message};
 }
 
 class Repairs {
@@ -81,17 +79,17 @@ class Repairs {
     for (int j = 1; j < tracks.joints(); ++j) {
       for (int f = 0; f < tracks.frames(); ++f) {
         if (!IsAtParent(given, f, j)) continue;
-        TrackRepair repair;
-        repair.code = "zero_length_bone";
-        repair.frame_begin = f;
+        const int begin = f;
         while (f < tracks.frames() && IsAtParent(given, f, j)) tracks.confidence[At(f++, j)] = 0.0;
-        repair.frame_end = f;
-        repair.joints = {j};
-        repair.value = repair.frame_end - repair.frame_begin;
-        repair.message = names_[j] + " has exactly the position of its parent " +
-                         names_[tracks.skeleton->joints[j].parent] + " in " +
-                         Counted(repair.frame_end - repair.frame_begin, "frame");
-        result_.repairs.push_back(std::move(repair));
+        result_.repairs.push_back({"zero_length_bone",
+                                   TrackRepair::Action::kExcluded,
+                                   begin,
+                                   f,
+                                   {j},
+                                   static_cast<double>(f - begin),
+                                   names_[j] + " has exactly the position of its parent " +
+                                       names_[tracks.skeleton->joints[j].parent] + " in " +
+                                       Counted(f - begin, "frame")});
       }
     }
   }
@@ -100,25 +98,24 @@ class Repairs {
     const SkeletonTracks& tracks = result_.tracks;
     if (tracks.time_s[violation.frame_end - 1] - tracks.time_s[violation.frame_begin] > longest_s) return;
     if (!Exclude(violation.joint, violation.frame_begin, violation.frame_end)) return;
-    TrackRepair repair;
-    repair.code = "bone_length_violation";
-    repair.frame_begin = violation.frame_begin;
-    repair.frame_end = violation.frame_end;
-    repair.joints = {violation.joint};
-    repair.value = violation.distance;
-    repair.message =
-        names_[violation.joint] + " is in a wrong position in " +
-        Counted(violation.frame_end - violation.frame_begin, "frame") +
-        (violation.jumped ? ": it jumps there or back by " + RoundedText(violation.distance, 3) + " m"
-                          : ": its bones would be too long by " + RoundedText(violation.distance, 3) + " m");
-    result_.repairs.push_back(std::move(repair));
+    result_.repairs.push_back(
+        {"bone_length_violation",
+         TrackRepair::Action::kExcluded,
+         violation.frame_begin,
+         violation.frame_end,
+         {violation.joint},
+         violation.distance,
+         names_[violation.joint] + " is in a wrong position in " +
+             Counted(violation.frame_end - violation.frame_begin, "frame") +
+             (violation.jumped ? ": it jumps there or back by " : ": its bones would be too long by ") +
+             RoundedText(violation.distance, 3) + " m"});
   }
 
   void Exchange(const LimbExchange& limb) {
-    std::string joints;
-    for (const int left : limb.pairs) joints += (joints.empty() ? "" : ", ") + names_[left];
+    std::vector<std::string> joints;
+    for (const int left : limb.pairs) joints.push_back(names_[left]);
     Exchange(limb.frame_begin, limb.frame_end, limb.pairs, limb.margin,
-             joints + " and their mirror joints are exchanged in " +
+             JoinTexts(joints) + " and their mirror joints are exchanged in " +
                  Counted(limb.frame_end - limb.frame_begin, "frame") +
                  ": after the exchange, steps and bone lengths are more likely");
   }
@@ -137,18 +134,12 @@ class Repairs {
   }
 
   void ReportReversedBody(const LimbExchange& limb) {
-    Finding finding;
-    finding.code = "body_turned";
-    finding.frame_begin = limb.frame_begin;
-    finding.frame_end = limb.frame_end;
-    finding.value = limb.margin;
-    finding.message =
+    result_.findings.push_back(FrameFinding(
+        "body_turned", limb.frame_begin, limb.frame_end, "", limb.margin,
         "the body's facing reverses from one frame to the next, as if left and right were exchanged, in " +
-        Counted(limb.frame_end - limb.frame_begin, "frame") +
-        ". The frames are kept, because an exchange would point knees, feet, hands or shoulders backwards. Check "
-        "facing in these frames and in the others";
-    finding.action = FindingAction::kFlagged;
-    result_.findings.push_back(std::move(finding));
+            Counted(limb.frame_end - limb.frame_begin, "frame") +
+            ". The frames are kept, because an exchange would point knees, feet, hands or shoulders backwards. Check "
+            "facing in these frames and in the others"));
   }
 
   TrackedPoints points() const {
@@ -163,14 +154,6 @@ class Repairs {
   }
 
   void Exchange(int begin, int end, const std::vector<int>& left_joints, double value, std::string message) {
-    TrackRepair repair;
-    repair.code = "swapped_sides";
-    repair.action = TrackRepair::Action::kExchanged;
-    repair.frame_begin = begin;
-    repair.frame_end = end;
-    repair.joints = left_joints;
-    repair.value = value;
-    repair.message = std::move(message);
     ExchangeJoints(left_joints, begin, end, result_.tracks);
     observed_count_.clear();
     for (int f = begin; f < end; ++f) {
@@ -179,7 +162,8 @@ class Repairs {
           result_.exchanged[At(f, joint)] = !result_.exchanged[At(f, joint)];
       }
     }
-    result_.repairs.push_back(std::move(repair));
+    result_.repairs.push_back(
+        {"swapped_sides", TrackRepair::Action::kExchanged, begin, end, left_joints, value, std::move(message)});
   }
 
   bool Exclude(int joint, int begin, int end) {
@@ -315,20 +299,14 @@ void MarkRepaired(const std::vector<bool>& exchanged, Motion& motion) {
 std::vector<Finding> FindingsOf(const std::vector<TrackRepair>& repairs, const Skeleton& skeleton) {
   std::vector<Finding> findings;
   for (const TrackRepair& repair : repairs) {
-    Finding finding;
-    finding.code = repair.code;
-    finding.severity = Severity::kInfo;
-    finding.frame_begin = repair.frame_begin;
-    finding.frame_end = repair.frame_end;
-    const bool whole = repair.action == TrackRepair::Action::kExchanged
-                           ? repair.joints == LeftJoints(skeleton)
-                           : static_cast<int>(repair.joints.size()) == skeleton.joint_count();
-    if (!whole) finding.joint = skeleton.joints[repair.joints.front()].name;
-    finding.value = repair.value;
-    finding.message = repair.message;
-    finding.action =
-        repair.action == TrackRepair::Action::kExchanged ? FindingAction::kRepaired : FindingAction::kMissing;
-    findings.push_back(std::move(finding));
+    const bool exchanged = repair.action == TrackRepair::Action::kExchanged;
+    const bool whole = exchanged ? repair.joints == LeftJoints(skeleton)
+                                 : static_cast<int>(repair.joints.size()) == skeleton.joint_count();
+    findings.push_back(FrameFinding(repair.code.c_str(), repair.frame_begin, repair.frame_end,
+                                    whole ? "" : skeleton.joints[repair.joints.front()].name, repair.value,
+                                    repair.message));
+    findings.back().severity = Severity::kInfo;
+    findings.back().action = exchanged ? FindingAction::kRepaired : FindingAction::kMissing;
   }
   return findings;
 }
