@@ -4,23 +4,57 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "core/base/text.h"
+#include "core/motion/motion.h"
+#include "core/motion/operations.h"
 #include "core/quality/measures.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/implausible_body.h"
 #include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/evidence/tracker_points.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
 #include "fitting/solver/body_size.h"
 #include "fitting/solver/joint_track_fit.h"
-#include "fitting/uncertainty/given_uncertainty.h"
 
 namespace mocurate {
 namespace {
+
+/// A motion fitted to the joints of a given one is not more certain than that. Adds the given motion's stated
+/// covariances to those of `fitted`, which are relative to the given joints: of the same joints, else of the nearest
+/// parent that it has. Standard deviations of rotations likewise, for joints that both have. A sample that the given
+/// motion interpolated or inferred does not count as observed. Without stated uncertainties nothing changes. Both have
+/// the same frames; skeletons may differ.
+void AddGivenUncertainty(const Motion& given, Motion& fitted) {
+  const std::vector<int> match = MatchJoints(*given.skeleton, *fitted.skeleton);
+  std::vector<int> nearest = match;
+  for (int j = 1; j < fitted.joint_count(); ++j) {
+    if (nearest[j] < 0) nearest[j] = nearest[fitted.skeleton->joints[j].parent];
+  }
+  for (int f = 0; f < fitted.frame_count(); ++f) {
+    for (int j = 0; j < fitted.joint_count(); ++j) {
+      if (nearest[j] < 0) continue;
+      const std::size_t from = static_cast<std::size_t>(f) * given.joint_count() + nearest[j];
+      const std::size_t to = static_cast<std::size_t>(f) * fitted.joint_count() + j;
+      if (!given.position_cov.empty() && !fitted.position_cov.empty()) {
+        for (std::size_t i = 0; i < 6; ++i) fitted.position_cov[6 * to + i] += given.position_cov[6 * from + i];
+      }
+      if (match[j] < 0) continue;
+      if (!given.rotation_sigma.empty() && !fitted.rotation_sigma.empty()) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          float& sigma = fitted.rotation_sigma[3 * to + i];
+          sigma = std::hypot(sigma, given.rotation_sigma[3 * from + i]);
+        }
+      }
+      if (!given.state.empty() && !fitted.state.empty()) {
+        fitted.state[to] = std::max(fitted.state[to], given.state[from]);
+      }
+    }
+  }
+}
 
 /// m RMS; beyond, skeleton and evidence hardly match. Source: 3DPCK, Mehta et al., 3DV 2017
 constexpr double kLargeResidual = 0.15;
@@ -34,24 +68,6 @@ constexpr double kNoFitOfStature = 0.25;  ///< share of the stature, likewise
 
 double Millimetres(double metres) { return std::round(metres * 1e7) / 1e4; }
 
-std::string MethodName(FitMethod method) {
-  switch (method) {
-    case FitMethod::kJointTracks:
-      return "joint_tracks";
-    case FitMethod::kPointClouds:
-      return "point_clouds";
-    case FitMethod::kJointsAndClouds:
-      return "joints_and_clouds";
-    case FitMethod::kKeypoints:
-      return "keypoints";
-    case FitMethod::kKeypointsAndClouds:
-      return "keypoints_and_clouds";
-    case FitMethod::kNone:
-      return "none";
-  }
-  return "";
-}
-
 /// Of a body whose size was measured from depth views.
 std::optional<Finding> SuspectSize(const FitResult& fit, const FittingOptions& options) {
   const bool height_given = options.point_clouds.height.has_value();
@@ -62,13 +78,8 @@ std::optional<Finding> SuspectSize(const FitResult& fit, const FittingOptions& o
 }
 
 Finding ExcludedJoints(const std::vector<std::string>& names, const Skeleton& skeleton) {
-  Finding finding;
-  finding.code = "joints_excluded";
-  finding.value = static_cast<double>(names.size());
-  finding.message = "skeleton '" + skeleton.name + "' has no";
-  for (const std::string& name : names) finding.message += (&name == &names.front() ? " " : ", ") + name;
-  finding.action = FindingAction::kExcluded;
-  return finding;
+  return MakeFinding("joints_excluded", Severity::kWarning, static_cast<double>(names.size()),
+                     "skeleton '" + skeleton.name + "' has no " + JoinTexts(names), FindingAction::kExcluded);
 }
 
 /// Frames in which tracks were corrected, by the code of the finding, and the number of samples rejected as outliers.
@@ -202,10 +213,16 @@ Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skel
                                      : "set fitting.method to the evidence that the source has");
   }
   Expected<FitResult> result = FitKeypoints(clip.evidence, clip.rate, skeleton, body, bone_length, options);
-  if (result) return result;
-  Error error = result.error();
-  error.where = clip.id() + ": " + error.where;
-  return tl::unexpected<Error>(error);
+  if (!result) return InClip(result.error(), clip);
+  return result;
+}
+
+void ResolveDepthFiles(const StageRequest& request, Evidence& evidence) {
+  std::map<std::string, std::filesystem::path> files;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == "depth") files[input.name] = input.path;
+  }
+  ResolveDepthFiles(files, evidence);
 }
 
 Expected<FitResult> TakeGivenMotion(const Clip& clip) {
@@ -286,7 +303,7 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   }
 
   const Skeleton& skeleton = *fit.motion.skeleton;
-  outcome.summary = {{"method", MethodName(options.method)},
+  outcome.summary = {{"method", Name(options.method)},
                      {"residual_rms_mm", Millimetres(fit.residual_rms)},
                      {"residual_p95_mm", Millimetres(fit.residual_p95)},
                      {"rejected_share", std::round(fit.rejected_share * 1e4) / 1e4},

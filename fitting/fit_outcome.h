@@ -31,6 +31,9 @@ Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleto
 Expected<FitResult> FitKeypointsOfClip(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
                                        const std::vector<double>& bone_length, const FittingOptions& options);
 
+/// Replaces the names of the evidence's depth images by where those of the request lie (inputs of role "depth").
+void ResolveDepthFiles(const StageRequest& request, Evidence& evidence);
+
 /// Passes the motion of a clip through as a result. Error kInconsistent without one.
 Expected<FitResult> TakeGivenMotion(const Clip& clip);
 

@@ -1,25 +1,21 @@
 #include "fitting/fit_result.h"
 
 #include "core/base/text.h"
+#include "core/motion/gaps.h"
+#include "core/quality/tracked_points.h"
 
 namespace mocurate {
 
-void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, FindingAction action,
-                         std::vector<Finding>& findings) {
-  const auto frames = static_cast<int>(without.size());
-  for (int begin = 0; begin < frames; ++begin) {
-    if (!without[begin]) continue;
-    int end = begin;
-    while (end < frames && without[end]) ++end;
-    Finding finding;
-    finding.code = kFramesWithoutEvidence;
-    finding.frame_begin = begin;
-    finding.frame_end = end;
-    finding.value = end - begin;
-    finding.message = what + " in " + Counted(end - begin, "frame");
-    finding.action = action;
-    findings.push_back(std::move(finding));
-    begin = end;
+tl::unexpected<Error> InClip(Error error, const Clip& clip) {
+  error.where = clip.id() + (error.where.empty() ? "" : ": " + error.where);
+  return tl::unexpected<Error>(std::move(error));
+}
+
+void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, std::vector<Finding>& findings) {
+  for (const FrameRun& run : RunsWhere(without, true)) {
+    findings.push_back(FrameFinding(kFramesWithoutEvidence, run.begin, run.end, "", run.frames(),
+                                    what + " in " + Counted(run.frames(), "frame")));
+    findings.back().action = FindingAction::kInterpolated;
   }
 }
 

@@ -7,9 +7,9 @@
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
 #include "fitting/clouds/cloud_rig_audit.h"
+#include "fitting/costs/pose_gaussian.h"
 #include "fitting/evidence/skeleton_tracks.h"
-#include "fitting/triangulation/keypoint_report.h"
-#include "fitting/uncertainty/pose_covariance.h"
+#include "fitting/triangulation/keypoint_tracks.h"
 
 namespace mocurate {
 
@@ -41,11 +41,13 @@ struct FitResult {
   std::vector<Finding> findings;               ///< clip id left empty
 };
 
+/// The error with the clip's id before its place.
+tl::unexpected<Error> InClip(Error error, const Clip& clip);
+
 /// Code of the findings of frames in which no part of the person was observed.
 inline constexpr const char* kFramesWithoutEvidence = "frames_without_evidence";
 
 /// One finding per run of frames that are `without` (F): `what`, the number of frames and the replacement.
-void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, FindingAction action,
-                         std::vector<Finding>& findings);
+void ReportFramesWithout(const std::vector<bool>& without, const std::string& what, std::vector<Finding>& findings);
 
 }  // namespace mocurate

@@ -12,10 +12,8 @@
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/contacts/foot_contacts.h"
-#include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
-#include "fitting/evidence/tracker_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/keypoint_cloud_fit.h"
 #include "fitting/proportions.h"
@@ -54,13 +52,9 @@ Expected<FitResult> FitTracksAndDepth(const Clip& clip, const SkeletonPtr& skele
   const Expected<std::vector<FusedCloud>> clouds = FuseClip(*audited, options.point_clouds);
   if (!clouds) return Forward(clouds);
   Expected<FitResult> both = FitTracksAndClouds(*std::move(tracks), *clouds, options.point_clouds);
-  if (both) {
-    ReportRig(std::move(report), *both);
-    return both;
-  }
-  Error error = both.error();
-  error.where = clip.id() + ": " + error.where;
-  return tl::unexpected<Error>(error);
+  if (!both) return InClip(both.error(), clip);
+  ReportRig(std::move(report), *both);
+  return both;
 }
 
 Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const FittingOptions& options) {
@@ -156,7 +150,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Dataset dataset;
   Expected<Clip> clip = ReadEvidence(evidence->path, &dataset.findings);
   if (!clip) return Forward(clip);
-  ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+  ResolveDepthFiles(request, clip->evidence);
   options->joint_tracks.max_gap_s = MaxGapOf(*clip);
   const bool no_depth = SurfaceTimes(clip->evidence).empty();
   if (no_depth && options->without_depth == WithoutDepth::kTracks && options->method == FitMethod::kJointsAndClouds) {
@@ -164,11 +158,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   }
   if (Status left = CheckDepthIsLeft(*clip, dataset.findings, options->method); !left) return Forward(left);
   Expected<FitResult> fit = Fit(request, *clip, *options);
-  if (!fit) {
-    Error error = fit.error();
-    if (error.where.rfind("frame", 0) == 0) error.where = clip->id() + ": " + error.where;
-    return tl::unexpected<Error>(error);
-  }
+  if (!fit) return fit.error().where.rfind("frame", 0) == 0 ? InClip(fit.error(), *clip) : Forward(fit);
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
   if (Status counted = CountFromNamed(*options, fit->motion); !counted) return Forward(counted);
   if (options->method != FitMethod::kNone) MarkShortGaps(options->joint_tracks.max_gap_s, fit->motion);

@@ -96,8 +96,7 @@ Pairing PairFrames(const Motion& motion, const std::vector<double>& cloud_s, dou
 std::vector<FusedCloud> Paired(const Pairing& pairing, const std::vector<FusedCloud>& clouds) {
   std::vector<FusedCloud> paired;
   for (const int i : pairing.cloud) {
-    paired.push_back(i >= 0 ? clouds[static_cast<std::size_t>(i)]
-                            : FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0});
+    paired.push_back(i >= 0 ? clouds[static_cast<std::size_t>(i)] : FusedCloud());
   }
   return paired;
 }
@@ -258,11 +257,6 @@ Expected<FitResult> FitBothModalities(const Clip& clip, FitResult keypoints, con
   return FitTracksAndClouds(std::move(keypoints), paired, options);
 }
 
-Error InClip(Error error, const Clip& clip) {
-  error.where = clip.id() + ": " + error.where;
-  return error;
-}
-
 }  // namespace
 
 Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& skeleton, const SkeletonPtr& body,
@@ -274,7 +268,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   const std::vector<const KeypointView*> seeing = ViewsWithPerson(clip.evidence.keypoint_views);
   if (seeing.size() == 1 && depth) {
     const Expected<Evidence> in_rig = WithRigOf(clip.evidence, options.keypoints);
-    if (!in_rig) return tl::unexpected<Error>(InClip(in_rig.error(), clip));
+    if (!in_rig) return InClip(in_rig.error(), clip);
     const std::vector<const KeypointView*> one = ViewsWithPerson(in_rig->keypoint_views);
     return FitCloudsAndRays(clip, *one[0], skeleton, body, bone_length, options);
   }
@@ -285,7 +279,7 @@ Expected<FitResult> FitKeypointsAndClouds(const Clip& clip, const SkeletonPtr& s
   FittingOptions with_poses = options;
   with_poses.joint_tracks.poses = depth;
   Expected<FitResult> keypoints = FitKeypointsOnBody(clip.evidence, clip.rate, skeleton, body, bone_length, with_poses);
-  if (!keypoints) return tl::unexpected<Error>(InClip(keypoints.error(), clip));
+  if (!keypoints) return InClip(keypoints.error(), clip);
   if (!depth) return KeypointsAlone(std::move(*keypoints), skeleton, "the clip has no depth images");
   DepthRigReport report;
   const Expected<Clip> audited = WithAuditedRig(given, options.point_clouds.audit, report);

@@ -10,6 +10,7 @@
 #include "fitting/audit/rig_hypotheses.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/implausible_body.h"
+#include "fitting/evidence/motion_tracks.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/repair/body_sides.h"
@@ -24,21 +25,10 @@ namespace {
 
 /// Excludes keypoints that are neither a joint of the body nor a point of it.
 JointTracks TracksOfBody(const JointTracks& tracks, const Skeleton& body) {
-  std::vector<std::size_t> kept;
-  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-    if (body.FindJoint(tracks.names[k])) kept.push_back(k);
-  }
-  JointTracks known;
-  known.time_s = tracks.time_s;
-  known.positions = JointPositions(tracks.positions.frames, static_cast<int>(kept.size()));
-  for (const std::size_t k : kept) known.names.push_back(tracks.names[k]);
-  for (int f = 0; f < tracks.positions.frames; ++f) {
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-      known.positions.at(f, static_cast<int>(i)) = tracks.positions.at(f, static_cast<int>(kept[i]));
-      known.confidence.push_back(tracks.confidence[f * tracks.names.size() + kept[i]]);
-    }
-  }
-  return known;
+  std::vector<std::optional<std::string>> names;
+  for (const std::string& name : tracks.names)
+    names.push_back(body.FindJoint(name) ? std::optional(name) : std::nullopt);
+  return SelectedTracks(tracks, names);
 }
 
 /// Of each joint's samples, (F*J).
@@ -90,16 +80,15 @@ Status CorrectLeftRight(const Evidence& evidence, const Skeleton& skeleton, cons
     if (Status names = CheckFileNames(evidence, skeleton, options, exchanges[0]); !names) return names;
   }
   for (const BodyExchange& body : exchanges) {
-    RigFault fault;
-    fault.code = "views_swap_sides";
+    RigFault fault = MakeFault("views_swap_sides", "", body.confidence,
+                               "all cameras list left as right in " +
+                                   Counted(body.frame_end - body.frame_begin, "frame") + ": " + body.evidence);
     fault.limb = "body";
     fault.frame_begin = body.frame_begin;
     fault.frame_end = body.frame_end;
-    fault.value = fault.confidence = body.confidence;
+    fault.confidence = body.confidence;
     fault.confidence_of = ConfidenceOf::kModel;
     fault.corrected = audit.sides == AuditAction::kCorrect && !files_wrong;
-    fault.message = "all cameras list left as right in " + Counted(body.frame_end - body.frame_begin, "frame") + ": " +
-                    body.evidence;
     found.findings.push_back(FindingOf(fault));
     found.report.suspect = found.report.suspect || IsAmbiguous(fault);
     found.report.faults.push_back(fault);

@@ -8,14 +8,15 @@
 namespace mocurate {
 namespace {
 
+constexpr std::pair<const char*, FitMethod> kMethods[] = {{"joint_tracks", FitMethod::kJointTracks},
+                                                          {"point_clouds", FitMethod::kPointClouds},
+                                                          {"joints_and_clouds", FitMethod::kJointsAndClouds},
+                                                          {"keypoints", FitMethod::kKeypoints},
+                                                          {"keypoints_and_clouds", FitMethod::kKeypointsAndClouds},
+                                                          {"none", FitMethod::kNone}};
+
 void DeclareMethod(OptionVisitor& v, FitMethod& method) {
-  v.Choice("method", method,
-           {{"joint_tracks", FitMethod::kJointTracks},
-            {"point_clouds", FitMethod::kPointClouds},
-            {"joints_and_clouds", FitMethod::kJointsAndClouds},
-            {"keypoints", FitMethod::kKeypoints},
-            {"keypoints_and_clouds", FitMethod::kKeypointsAndClouds},
-            {"none", FitMethod::kNone}},
+  v.Choice("method", method, {std::begin(kMethods), std::end(kMethods)},
            "evidence that the skeleton is fitted to; none passes a given motion through");
 }
 
@@ -38,6 +39,8 @@ void SetRulesOfGroups(const Rules& rules, Options& options) {
 }
 
 }  // namespace
+
+const char* Name(FitMethod method) { return kMethods[static_cast<std::size_t>(method)].first; }
 
 void TrackStep::Declare(OptionVisitor& v) {
   v.Choice("free", free, {{"root", FreeParts::kRoot}, {"pose", FreeParts::kPose}},

@@ -14,6 +14,7 @@ namespace mocurate {
 
 /// Which evidence a clip is fitted to. kNone passes a given motion through.
 enum class FitMethod { kJointTracks, kPointClouds, kJointsAndClouds, kKeypoints, kKeypointsAndClouds, kNone };
+const char* Name(FitMethod method);
 
 /// What is done with a clip without depth where tracks and depth are to be fitted together.
 enum class WithoutDepth { kRefuse, kTracks };

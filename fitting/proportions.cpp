@@ -8,7 +8,7 @@
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
-#include "fitting/association/rig_diagnosis.h"
+#include "fitting/association/body_shape.h"
 #include "fitting/solver/bone_lengths.h"
 #include "fitting/solver/rest_directions.h"
 

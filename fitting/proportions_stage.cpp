@@ -11,10 +11,8 @@
 #include "fitting/audit/rig_corrections.h"
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/joint_cloud_fit.h"
-#include "fitting/evidence/depth_files.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
-#include "fitting/evidence/tracker_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
@@ -24,13 +22,16 @@
 namespace mocurate {
 namespace {
 
-Finding NothingFrom(const Clip& clip, const Error& error) {
-  Finding finding;
-  finding.clip = clip.id();
-  finding.code = "no_proportions_from_clip";
-  finding.message = error.Message();
-  finding.action = FindingAction::kExcluded;
+/// A warning about a clip.
+Finding AboutClip(const std::string& clip, const char* code, double value, std::string message,
+                  FindingAction action = FindingAction::kExcluded) {
+  Finding finding = MakeFinding(code, Severity::kWarning, value, std::move(message), action);
+  finding.clip = clip;
   return finding;
+}
+
+Finding NothingFrom(const Clip& clip, const Error& error) {
+  return AboutClip(clip.id(), "no_proportions_from_clip", 0.0, error.Message());
 }
 
 constexpr double kSizesApart = 0.08;  ///< of the logarithm of a size; beyond, tracks and clouds show different bodies
@@ -54,15 +55,11 @@ void ExcludeOtherSizes(PersonClips& clips, std::vector<Finding>& findings) {
       kept.ids.push_back(clips.ids[i]);
       continue;
     }
-    Finding finding;
-    finding.clip = clips.ids[i];
-    finding.code = "another_size";
-    finding.value = sizes[i];
-    finding.message =
-        "the clip's bones are " + RoundedText(sizes[i], 3) +
-        " times the rest skeleton's and contradict the person's other clips; check the clip's unit and person";
-    finding.action = FindingAction::kExcluded;
-    findings.push_back(std::move(finding));
+    findings.push_back(
+        AboutClip(clips.ids[i], "another_size", sizes[i],
+                  "the clip's bones are " + RoundedText(sizes[i], 3) +
+                      " times the rest skeleton's and contradict the person's other clips; check the clip's unit and "
+                      "person"));
   }
   clips = std::move(kept);
 }
@@ -119,16 +116,12 @@ Status MeasureBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen
   double unusual = 0.0;
   for (const double component : body->skeleton->shape) unusual = std::max(unusual, std::abs(component));
   if (std::abs(std::log(ratio)) > kSizesApart || unusual > kMaxShapeDeviation) {
-    Finding finding;
-    finding.clip = posed.front().id();
-    finding.code = "modalities_differ_in_size";
-    finding.value = ratio;
-    finding.message = "the body in the depth views is " + RoundedText(ratio, 3) +
-                      " times as large as the tracks', its body shape up to " + RoundedText(unusual, 2) +
-                      " standard deviations from the mean";
-    finding.message += "; the tracks' body is kept. Check depth_unit, cameras and the joint names of the tracks";
-    finding.action = FindingAction::kKept;
-    findings.push_back(finding);
+    findings.push_back(AboutClip(posed.front().id(), "modalities_differ_in_size", ratio,
+                                 "the body in the depth views is " + RoundedText(ratio, 3) +
+                                     " times as large as the tracks', its body shape up to " + RoundedText(unusual, 2) +
+                                     " standard deviations from the mean; the tracks' body is kept. Check depth_unit, "
+                                     "cameras and the joint names of the tracks",
+                                 FindingAction::kKept));
     return {};
   }
   UseBody(*body, person.skeleton, person.bone_length);
@@ -171,12 +164,12 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     if (!clip) return Forward(clip);
     ids.push_back(clip->id());
     if (options->method == FitMethod::kPointClouds) {
-      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+      ResolveDepthFiles(request, clip->evidence);
       cloud_clips.push_back(std::move(*clip));
       continue;
     }
     if (options->method == FitMethod::kKeypoints || options->method == FitMethod::kKeypointsAndClouds) {
-      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+      ResolveDepthFiles(request, clip->evidence);
       for (const std::string& point : DetectorNames(clip->evidence.keypoint_names)) points.insert(point);
       if (const Status fits = rig ? CheckRigFits(clip->evidence, *rig) : Status(); !fits) return Forward(fits);
       keypoint_clips.push_back(std::move(*clip));
@@ -190,7 +183,7 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
       clips.tracks.push_back(std::move(*tracks));
       clips.ids.push_back(clip->id());
       if (options->method != FitMethod::kJointsAndClouds) continue;
-      ResolveDepthFiles(DepthFilesOf(request), clip->evidence);
+      ResolveDepthFiles(request, clip->evidence);
       tracked_clips.push_back(std::move(*clip));
       continue;
     }

@@ -8,8 +8,8 @@
 
 #include "core/base/text.h"
 #include "fitting/audit/camera_moves.h"
-#include "fitting/audit/confidence.h"
 #include "fitting/audit/rig_corrections.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/triangulation/keypoint_tracks.h"
 
 namespace mocurate {
@@ -123,8 +123,7 @@ class AuditedCameras {
     for (const RigHypotheses& hypotheses : report_.files.reported) {
       const RigHypothesis& first = hypotheses.alike[0];
       for (std::size_t v = 0; v < views_.size(); ++v) {
-        const bool changed = std::find(first.views.begin(), first.views.end(), v) != first.views.end();
-        suspect_[v] = suspect_[v] || changed || first.source[v] != v;
+        suspect_[v] = suspect_[v] || first.Concerns(v);
       }
     }
     for (const RigFault& fault : report_.faults) {
@@ -181,7 +180,7 @@ class AuditedCameras {
       if (of_it && fault.corrected) consider(fault.confidence, fault.confidence_of);
     }
     for (const RigHypotheses& hypotheses : report_.files.applied) {
-      if (Concerns(hypotheses.alike[0], v)) consider(hypotheses.confidence, ConfidenceOf::kSpansOfOneTake);
+      if (hypotheses.alike[0].Concerns(v)) consider(hypotheses.confidence, ConfidenceOf::kSpansOfOneTake);
     }
     if (camera.confidence || !suspect_[v]) return;
     for (const RigFault& fault : report_.faults) {
@@ -201,7 +200,7 @@ class AuditedCameras {
     };
     if (v < report_.rig.gain.size()) add(report_.rig.gain[v]);
     for (const RigHypotheses& found : report_.files.applied) {
-      if (Concerns(found.alike[0], v)) add(GainOfTakes(takes, found.moment_s, found.given_costs, found.read_costs));
+      if (found.alike[0].Concerns(v)) add(GainOfTakes(takes, found.moment_s, found.given_costs, found.read_costs));
     }
     return gains;
   }
@@ -212,11 +211,6 @@ class AuditedCameras {
   /// Whether a fault is of this camera, and not of a limb.
   bool IsOfCamera(const RigFault& fault, std::size_t v) const {
     return fault.limb.empty() && fault.camera == views_[v].camera.name;
-  }
-
-  static bool Concerns(const RigHypothesis& hypothesis, std::size_t v) {
-    return hypothesis.source[v] != v ||
-           std::find(hypothesis.views.begin(), hypothesis.views.end(), v) != hypothesis.views.end();
   }
 
   const std::vector<KeypointView>& views_;

@@ -4,6 +4,7 @@
 
 #include "fitting/association/body_shape.h"
 #include "fitting/association/rig_view.h"
+#include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {
 
@@ -34,5 +35,18 @@ std::vector<double> UnobservedShares(const AssociatedPerson& person);
 /// frame in time. Frames are those of the view with the most frames, or `time_s` when given.
 Association AssociatePeople(const std::vector<RigView>& rig, const std::vector<KnownLength>& lengths,
                             const std::vector<double>& time_s = {});
+
+/// Median of the steps of a view's clock, seconds; 0 with fewer than two frames.
+double UsualStep(const std::vector<double>& time_s);
+
+/// Reads the keypoints (K each) of the entries (F of the view; -1: none) at a moment. Uses the view's frame at that
+/// time (within a thousandth of `step`). Otherwise interpolates between the two frames around it, where both observe
+/// the keypoint and are at most 2.5 steps apart. Writes nothing for unobserved keypoints.
+void ReadBetweenFrames(const RigView& view, const std::vector<int>& entry, double step, double moment,
+                       Vector2d* normalised, double* confidence);
+
+/// One person's keypoints in every view at the times of the take, without lens distortion (ReadBetweenFrames).
+std::vector<ViewKeypoints> ViewsOfPerson(const std::vector<RigView>& rig, const Association& take,
+                                         const AssociatedPerson& person);
 
 }  // namespace mocurate

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/motion/skeleton.h"
 #include "fitting/association/rig_view.h"
 
@@ -35,5 +37,23 @@ ShapeMatch CompareShape(const std::vector<double>& measured, const std::vector<K
 
 /// The lengths of a body, metres; 0 when an end is unknown.
 std::vector<double> MeasureLengths(const BodyPoints& body, const std::vector<KnownLength>& lengths);
+
+/// Median of each known length over the frames (points F,K; observed where `confidence` > 0); 0: not measured.
+std::vector<double> MedianLengths(const JointPositions& points, const std::vector<double>& confidence,
+                                  const std::vector<KnownLength>& lengths, const std::vector<int>& frames);
+
+/// A factor by which the calibration's lengths are too long because of a wrong unit, and its text.
+struct UnitMisreading {
+  double factor = 1.0;
+  std::string text;  ///< "millimetres read as metres"
+};
+
+/// The wrong unit that explains a person `scale` times a person's size, within a factor of 1.6. Empty for a plausible
+/// size.
+std::optional<UnitMisreading> FindUnit(double scale);
+
+/// Compares measured lengths (metres, 0: not measured) with a person's. Error kInconsistent for an implausible size,
+/// with the unit that explains it, and for implausible proportions, with the worst length.
+Status CheckPersonShape(const std::vector<double>& measured, const std::vector<KnownLength>& lengths);
 
 }  // namespace mocurate

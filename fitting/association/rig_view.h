@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/motion/clip.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
@@ -60,5 +61,10 @@ struct Sight {
 /// Points nearest to the rays of some entries, weighted by confidence, then reweighted by agreement. A keypoint is
 /// known when at least two entries observe it from directions more than 1 degree apart, in front of the cameras.
 BodyPoints NearestBody(const std::vector<RigView>& rig, const std::vector<Sight>& sights);
+
+/// Explains why views agree on no person, from rays of entries that pairs of neighbouring views observe at one time.
+/// Returns an error kInconsistent with numbers. Causes: too few entries, or none at one time; nearly parallel rays;
+/// rays that meet behind the cameras; rays that miss each other.
+Error WhyNoPerson(const std::vector<RigView>& rig);
 
 }  // namespace mocurate

@@ -1,15 +1,90 @@
 #include "fitting/audit/camera_moves.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/median.h"
+#include "core/base/text.h"
 #include "fitting/audit/rig_fault.h"
-#include "fitting/triangulation/camera_refit.h"
+#include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {
 namespace {
+
+constexpr int kIterations = 20;                ///< Gauss-Newton steps, at most (numerical)
+constexpr std::size_t kLeastDetections = 100;  ///< detections for a refit, at least
+constexpr double kHuber = 10.0;                ///< px; scale of Huber's loss
+constexpr double kNearest = 1e-3;              ///< m in front of the camera, at least (numerical)
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+struct Detection {
+  Vector3d point;       ///< world
+  Vector2d normalised;  ///< at depth 1
+  double weight = 0.0;
+};
+
+Vector2d ErrorOf(const Camera& camera, const RigidTransform& pose, const Detection& seen, Vector3d& at) {
+  at = pose * seen.point;
+  const Vector2d off = at.head<2>() / at.z() - seen.normalised;
+  return {camera.fx * off.x(), camera.fy * off.y()};
+}
+
+double MedianErrorOfPose(const Camera& camera, const RigidTransform& pose, const std::vector<Detection>& detections) {
+  std::vector<double> errors;
+  Vector3d at;
+  for (const Detection& seen : detections) {
+    const Vector2d error = ErrorOf(camera, pose, seen, at);
+    errors.push_back(at.z() > kNearest ? error.norm() : 1e6);
+  }
+  return MeanMedian(errors);
+}
+
+/// The camera with the pose that minimises the distances of its detections from the other views' points (Gauss-Newton
+/// on the six numbers, Huber at 10 px, lens and focal length as calibrated). Empty with fewer than 100 detections of
+/// such points, or where the median distance does not fall below `improved` times the previous one.
+std::optional<Camera> RefitCamera(const ViewKeypoints& view, const TriangulatedTracks& points, double improved) {
+  std::vector<Detection> detections;
+  for (std::size_t i = 0; i < points.confidence.size(); ++i) {
+    if (points.confidence[i] <= 0.0 || view.confidence[i] <= 0.0) continue;
+    const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * i);
+    detections.push_back({point, view.normalised[i], view.confidence[i]});
+  }
+  if (detections.size() < kLeastDetections) return {};
+  Camera refit = view.camera;
+  RigidTransform& pose = refit.camera_from_world;
+  const double before_px = MedianErrorOfPose(view.camera, pose, detections);
+  for (int i = 0; i < kIterations; ++i) {
+    Matrix6 normal = Matrix6::Identity() * 1e-9;
+    Vector6 gradient = Vector6::Zero();
+    for (const Detection& seen : detections) {
+      Vector3d at;
+      const Vector2d error = ErrorOf(view.camera, pose, seen, at);
+      if (at.z() < kNearest) continue;
+      Eigen::Matrix<double, 2, 3> slope;
+      slope << view.camera.fx / at.z(), 0.0, -view.camera.fx * at.x() / (at.z() * at.z()),  //
+          0.0, view.camera.fy / at.z(), -view.camera.fy * at.y() / (at.z() * at.z());
+      Eigen::Matrix<double, 2, 6> jacobian;
+      jacobian << -slope * Hat(at), slope;  // rotation about the camera's axes, then translation
+      const double weight = seen.weight * std::min(1.0, kHuber / std::max(error.norm(), 1e-9));
+      normal += weight * jacobian.transpose() * jacobian;
+      gradient += weight * jacobian.transpose() * error;
+    }
+    const Vector6 step = -normal.ldlt().solve(gradient);
+    if (!step.allFinite()) return {};
+    const Quaterniond rotation_step = ExpQuaternion(step.head<3>());
+    pose.rotation = (rotation_step * pose.rotation).normalized();
+    pose.translation = rotation_step * pose.translation + step.tail<3>();
+    if (step.norm() < 1e-9) break;
+  }
+  if (!(MedianErrorOfPose(view.camera, pose, detections) < improved * before_px)) return {};
+  return refit;
+}
 
 constexpr std::size_t kLeastViewsOfMove = 4;  ///< views that a rig must have: three must keep their pose (numerical)
 constexpr double kImproved = 0.75;            ///< of the median error before the refit of a moved camera, at most
@@ -104,7 +179,7 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
     const auto refit = RefitCamera(Only(seen, begin, end), points, kImproved);
     if (!refit) continue;
     any = true;
-    move.camera[part].camera = refit->camera;
+    move.camera[part].camera = *refit;
   }
   if (!any) return {};
   move.model.camera[view] = move.camera;
@@ -209,7 +284,7 @@ void RefitParts(const RigSamples& frames, std::size_t view, const TriangulationO
   std::vector<CameraPart>& parts = model.camera[view];
   for (std::size_t part = 0; part < parts.size(); ++part) {
     const auto refit = RefitCamera(frames.View(model, view, part), points, kAnyBetter);
-    if (refit) parts[part].camera = refit->camera;
+    if (refit) parts[part].camera = *refit;
   }
 }
 
@@ -318,11 +393,9 @@ Matrix3d ShiftBetween(const RigSamples& samples, const RigModel& one, const RigM
 RigFault DisagreementOf(const std::vector<RigView>& rig, std::vector<std::size_t> views) {
   std::sort(views.begin(), views.end());
   views.erase(std::unique(views.begin(), views.end()), views.end());
-  RigFault fault;
-  fault.code = "views_disagree";
-  for (const std::size_t v : views) fault.camera += (fault.camera.empty() ? "" : ", ") + rig[v].camera.camera.name;
-  fault.message = "views disagree (" + fault.camera + "):";
-  return fault;
+  std::vector<std::string> names;
+  for (const std::size_t v : views) names.push_back(rig[v].camera.camera.name);
+  return MakeFault(kContradictingView, JoinTexts(names), 0.0, "views disagree (" + JoinTexts(names) + "):");
 }
 
 }  // namespace mocurate

@@ -7,7 +7,7 @@
 
 #include "core/base/text.h"
 #include "core/motion/clip.h"
-#include "fitting/audit/cameras_in_one_place.h"
+#include "fitting/audit/rig_fault.h"
 
 namespace mocurate {
 namespace {

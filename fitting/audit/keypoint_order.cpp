@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/median.h"
 #include "fitting/association/body_shape.h"
 #include "fitting/audit/rig_samples.h"
 #include "fitting/evidence/detector_points.h"
@@ -68,16 +67,7 @@ bool AreSides(std::string a, const std::string& b) {
 /// Whether the median lengths are plausible: near the skeleton's proportions, and equal on both sides.
 bool HasLengthsOfPerson(const JointPositions& points, const std::vector<double>& confidence,
                         const std::vector<KnownLength>& lengths, const std::vector<int>& frames) {
-  std::vector<double> medians;
-  for (const KnownLength& length : lengths) {
-    std::vector<double> samples;
-    for (const int f : frames) {
-      const std::size_t first = static_cast<std::size_t>(f) * points.joints;
-      if (confidence[first + length.from] <= 0.0 || confidence[first + length.to] <= 0.0) continue;
-      samples.push_back((points.at(f, length.from) - points.at(f, length.to)).norm());
-    }
-    medians.push_back(MeanMedian(samples));
-  }
+  const std::vector<double> medians = MedianLengths(points, confidence, lengths, frames);
   if (CompareShape(medians, lengths).mismatch > kOfAPerson) return false;
   for (std::size_t a = 0; a < lengths.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {

@@ -1,7 +1,6 @@
 #include "fitting/audit/rig_corrections.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "core/base/text.h"
@@ -96,9 +95,7 @@ Expected<Evidence> WithRig(Evidence evidence, const RigFile& rig) {
   views = WithHypothesis(views, evidence.keypoint_names, exchange);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const RigCamera& of_rig = *CameraOfRig(rig, views[v].camera.name);
-    RigHypothesis change;
-    change.source.resize(views.size());
-    std::iota(change.source.begin(), change.source.end(), std::size_t{0});
+    RigHypothesis change = RigHypothesis::AsGiven(views.size());
     change.views = {v};
     change.mirrored = of_rig.mirrored;
     change.sides = of_rig.sides_exchanged;

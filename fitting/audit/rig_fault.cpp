@@ -1,10 +1,14 @@
 #include "fitting/audit/rig_fault.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
 
 #include "core/base/pi.h"
 #include "core/base/text.h"
+#include "core/quality/tracked_points.h"
 
 namespace mocurate {
 
@@ -26,17 +30,20 @@ std::string ConfidenceText(double confidence, ConfidenceOf of) {
   return "confidence " + percent + (of == ConfidenceOf::kTakes ? " between takes" : "");
 }
 
+RigFault MakeFault(std::string code, std::string camera, double value, std::string message) {
+  RigFault fault;
+  fault.code = std::move(code);
+  fault.camera = std::move(camera);
+  fault.value = value;
+  fault.message = std::move(message);
+  return fault;
+}
+
 Finding FindingOf(const RigFault& fault) {
-  Finding finding;
-  finding.code = fault.code;
-  finding.severity = Severity::kWarning;
-  finding.frame_begin = fault.frame_begin;
-  finding.frame_end = fault.frame_end;
-  finding.value = fault.value;
-  finding.message = fault.message + "; " + ConfidenceText(fault.confidence, fault.confidence_of);
-  finding.action = !fault.corrected                   ? FindingAction::kFlagged
-                   : fault.code == kContradictingView ? FindingAction::kExcluded
-                                                      : FindingAction::kRepaired;
+  Finding finding = FrameFinding(fault.code.c_str(), fault.frame_begin, fault.frame_end, "", fault.value,
+                                 fault.message + "; " + ConfidenceText(fault.confidence, fault.confidence_of));
+  if (fault.corrected)
+    finding.action = fault.code == kContradictingView ? FindingAction::kExcluded : FindingAction::kRepaired;
   return finding;
 }
 
@@ -70,44 +77,193 @@ nlohmann::json FaultsJson(const std::vector<RigFault>& faults) {
   return list;
 }
 
+std::vector<std::vector<std::size_t>> FileExchanges(std::size_t views) {
+  constexpr std::size_t kAllPermuted = 5;  ///< views up to which all permutations are tested (numerical)
+  std::vector<std::size_t> source(views);
+  std::iota(source.begin(), source.end(), std::size_t{0});
+  std::vector<std::vector<std::size_t>> exchanges;
+  if (views <= kAllPermuted) {
+    while (std::next_permutation(source.begin(), source.end())) exchanges.push_back(source);
+    return exchanges;
+  }
+  for (std::size_t a = 0; a < views; ++a) {
+    for (std::size_t b = a + 1; b < views; ++b) {
+      exchanges.push_back(source);
+      std::swap(exchanges.back()[a], exchanges.back()[b]);
+    }
+  }
+  return exchanges;
+}
+
 std::string FaultsText(const std::vector<RigFault>& faults) { return FaultsJson(faults).dump(); }
 
 RigFault ClockOff(const std::string& camera, double later_s, std::optional<double> sigma_s, double worse) {
-  RigFault fault;
-  fault.code = "camera_clock_off";
-  fault.camera = camera;
-  fault.value = 1e3 * later_s;
-  fault.message = "camera " + camera + ": clock offset " + (fault.value > 0.0 ? "+" : "-") +
-                  RoundedText(std::abs(fault.value), 3) + " ms relative to the other cameras";
-  if (sigma_s) fault.message += " (standard deviation " + RoundedText(1e3 * *sigma_s, 2) + " ms)";
-  fault.message += "; without it, the cost is " + RoundedText(100.0 * worse, 2) + " % higher";
-  return fault;
+  const double late_ms = 1e3 * later_s;
+  const std::string sigma = sigma_s ? " (standard deviation " + RoundedText(1e3 * *sigma_s, 2) + " ms)" : "";
+  return MakeFault("camera_clock_off", camera, late_ms,
+                   "camera " + camera + ": clock offset " + (late_ms > 0.0 ? "+" : "-") +
+                       RoundedText(std::abs(late_ms), 3) + " ms relative to the other cameras" + sigma +
+                       "; without it, the cost is " + RoundedText(100.0 * worse, 2) + " % higher");
 }
 
 RigFault SidesExchanged(const std::string& camera, int frames, double margin) {
-  RigFault fault;
-  fault.code = "view_swaps_sides";
-  fault.camera = camera;
+  RigFault fault = MakeFault("view_swaps_sides", camera, margin,
+                             "camera " + camera + " exchanges left and right in all " + Counted(frames, "frame"));
   fault.frame_end = frames;
-  fault.value = margin;
-  fault.message = "camera " + camera + " exchanges left and right in all " + Counted(frames, "frame");
   return fault;
 }
 
 RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end,
                      int frames) {
-  RigFault fault;
-  fault.code = "camera_moved";
-  fault.camera = was.name;
-  fault.value = 1e3 * (is.Centre() - was.Centre()).norm();
+  const double moved_mm = 1e3 * (is.Centre() - was.Centre()).norm();
   const double angle = is.camera_from_world.rotation.angularDistance(was.camera_from_world.rotation);
-  fault.message = "camera " + was.name + " stands " + RoundedText(fault.value, 3) + " mm and " +
-                  RoundedText(kDegrees * angle, 2) + " degrees from the pose of " + reference;
+  RigFault fault = MakeFault("camera_moved", was.name, moved_mm,
+                             "camera " + was.name + " stands " + RoundedText(moved_mm, 3) + " mm and " +
+                                 RoundedText(kDegrees * angle, 2) + " degrees from the pose of " + reference);
   if (begin == 0 && end == frames) return fault;
   fault.frame_begin = begin;
   fault.frame_end = end;
   fault.message += begin == 0 ? " until frame " + std::to_string(end) : " from frame " + std::to_string(begin) + " on";
   return fault;
+}
+
+namespace {
+
+constexpr double kSame = 1e-9;  ///< share of two losses; differences below this are rounding (numerical)
+
+/// Cumulative distribution of Student's t (Wallace's approximation, to 0.002).
+double StudentShare(double t, double freedom) {
+  const double z = std::sqrt(freedom * std::log1p(t * t / freedom)) * (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
+  return NormalShare(std::copysign(z, t));
+}
+
+/// Confidence that the mean is above 0, from the variation of the means of `spans` parts of equal length.
+double ConfidenceBySpans(const std::vector<double>& gain, std::size_t spans) {
+  std::vector<double> means;
+  for (std::size_t s = 0; s < spans; ++s) {
+    const std::size_t begin = s * gain.size() / spans, end = (s + 1) * gain.size() / spans;
+    double sum = 0.0;
+    for (std::size_t i = begin; i < end; ++i) sum += gain[i];
+    means.push_back(sum / static_cast<double>(end - begin));
+  }
+  const auto n = static_cast<double>(spans);
+  double mean = 0.0;
+  for (const double value : means) mean += value / n;
+  double square = 0.0;
+  for (const double value : means) square += (value - mean) * (value - mean);
+  const double error = std::sqrt(square / (n * (n - 1.0)));
+  if (error <= 0.0) return mean > 0.0 ? 1.0 : 0.0;
+  return StudentShare(mean / error, n - 1.0);
+}
+
+std::vector<double> Gains(const std::vector<double>& worse, const std::vector<double>& better) {
+  std::vector<double> gain;
+  for (std::size_t i = 0; i < worse.size(); ++i) {
+    const double more = worse[i] - better[i];
+    const bool same = std::abs(more) <= kSame * (std::abs(worse[i]) + std::abs(better[i]));
+    gain.push_back(same ? 0.0 : more);
+  }
+  return gain;
+}
+
+}  // namespace
+
+double ConfidenceOfSeparate(const std::vector<double>& worse, const std::vector<double>& better) {
+  return worse.size() < 2 ? 0.0 : ConfidenceBySpans(Gains(worse, better), worse.size());
+}
+
+double Confidence(const std::vector<double>& worse, const std::vector<double>& better) {
+  const std::vector<double> gain = Gains(worse, better);
+  double least = ConfidenceOfSeparate(worse, better);
+  for (std::size_t spans = 2 * gain.size() / 3; spans >= kFewestSpans; spans = 2 * spans / 3) {
+    least = std::min(least, ConfidenceBySpans(gain, spans));
+  }
+  return least;
+}
+
+double SpanConfidence(double sigmas) { return 2.0 * StudentShare(sigmas, kFewestSpans - 1.0) - 1.0; }
+
+double NormalShare(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+namespace {
+
+/// Rad, and metres per metre (and metre of distance from the origin): rounding error of a copied pose. Lenses of two
+/// cameras are centimetres apart; thousandths of that when millimetres were read as kilometres (numerical).
+constexpr double kSamePose = 1e-6;
+/// Share of equal samples from which two views count as one: files of one sensor differ by a filter or a delay of a
+/// frame. Synthetic depth views from different sides share up to 0.05, views of one camera a frame apart 0.66 to 0.94
+/// (one jump 0.1). Source: synthetic depth views (0.05, and 0.66 to 0.94)
+constexpr double kSameView = 0.6;
+
+bool StandInOnePlace(const Camera& a, const Camera& b) {
+  const RigidTransform &one = a.camera_from_world, &other = b.camera_from_world;
+  return (one.translation - other.translation).norm() <= kSamePose * (1.0 + one.translation.norm()) &&
+         one.rotation.angularDistance(other.rotation) <= kSamePose;
+}
+
+RigFault InOnePlace(const std::vector<Camera>& cameras, const std::vector<std::size_t>& group, double share) {
+  std::vector<std::string> names;
+  for (const std::size_t v : group) names.push_back(cameras[v].name);
+  RigFault fault =
+      MakeFault(kOnePlace, JoinTexts(names), share,
+                "cameras " + JoinTexts(names) + " stand in one place with one orientation by their calibrations, ");
+  fault.confidence = 1.0;
+  fault.confidence_of = ConfidenceOf::kModel;
+  const std::string equal = RoundedText(100.0 * share, 2) + " % of their content is equal";
+  if (share < 0.0) {
+    fault.message += "and their views are empty: check whether one calibration was copied";
+  } else if (share < kSameView) {
+    fault.message += "but only " + equal + ": one camera's calibration was given for all of them";
+  } else {
+    fault.message += "and " + equal + ": one camera's files were given twice; exclude the copy";
+  }
+  return fault;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> CamerasInOnePlace(const std::vector<Camera>& cameras) {
+  std::vector<std::vector<std::size_t>> groups;
+  std::vector<bool> taken(cameras.size(), false);
+  for (std::size_t a = 0; a < cameras.size(); ++a) {
+    if (taken[a]) continue;
+    std::vector<std::size_t> group = {a};
+    for (std::size_t b = a + 1; b < cameras.size(); ++b) {
+      if (taken[b] || !StandInOnePlace(cameras[a], cameras[b])) continue;
+      taken[b] = true;
+      group.push_back(b);
+    }
+    if (group.size() > 1) groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Similarity& alike,
+                                                     AuditAction action, const RigWords& kind) {
+  std::vector<RigFault> faults;
+  if (action == AuditAction::kOff) return faults;
+  for (const std::vector<std::size_t>& group : CamerasInOnePlace(cameras)) {
+    double least = 1.0;
+    for (std::size_t i = 1; i < group.size(); ++i) {
+      const Expected<double> share = alike(group[0], group[i]);
+      if (!share) return Forward(share);
+      least = std::min(least, *share);
+    }
+    RigFault fault = InOnePlace(cameras, group, least);
+    if (action == AuditAction::kCorrect && least >= 0.0 && least < kSameView) {
+      return Fail(ErrorCode::kInconsistent, fault.message, kind.views,
+                  "give each camera its own calibration (is one file copied, or read for all cameras?), or set " +
+                      kind.option + ": report to use them as given");
+    }
+    faults.push_back(std::move(fault));
+  }
+  return faults;
+}
+
+bool PlacesAreCopied(const std::vector<RigFault>& faults) {
+  return std::any_of(faults.begin(), faults.end(), [](const RigFault& fault) {
+    return fault.code == kOnePlace && fault.value >= 0.0 && fault.value < kSameView;
+  });
 }
 
 }  // namespace mocurate

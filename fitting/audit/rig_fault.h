@@ -1,14 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/finding.h"
 #include "core/geometry/camera.h"
+#include "fitting/options.h"
 
 namespace mocurate {
 
@@ -17,8 +20,6 @@ inline constexpr std::size_t kLeastViewsAudited = 3;
 /// Most views for clocks, moves and exchanged files: the time of a search grows with their square. With more views, the
 /// others outvote two (numerical).
 inline constexpr std::size_t kMostViewsAudited = 12;
-/// Views up to which all permutations of the files are tested; with more, exchanges of two (numerical).
-inline constexpr std::size_t kViewsAllPermuted = 5;
 /// m at the person; smaller moves of a camera are not reported.
 inline constexpr double kLeastMove = 0.008;
 
@@ -51,6 +52,8 @@ struct RigFault {
   std::string message;
 };
 
+/// Of a camera, or of the rig (empty). The audit sets confidence and correction.
+RigFault MakeFault(std::string code, std::string camera, double value, std::string message);
 Finding FindingOf(const RigFault& fault);
 
 /// "repeatable to 99.92 % within this take", "confidence 99.92 %".
@@ -73,6 +76,10 @@ inline constexpr const char* kRigAudit = "rig_audit";
 nlohmann::json FaultsJson(const std::vector<RigFault>& faults);
 std::string FaultsText(const std::vector<RigFault>& faults);
 
+/// Exchanges of whole files among cameras: the camera whose files each one has. All permutations of up to five views,
+/// of more those of two.
+std::vector<std::vector<std::size_t>> FileExchanges(std::size_t views);
+
 // Faults of cameras with code, camera, frames, value and message. The audit sets confidence and correction.
 
 /// `later_s`: clock offset of the camera relative to the others, seconds; its standard deviation, if known; `worse`:
@@ -85,5 +92,46 @@ RigFault SidesExchanged(const std::string& camera, int frames, double margin);
 /// A camera whose pose differs from that of `reference` ("its calibration"), in frames [begin, end) of a take of
 /// `frames`.
 RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end, int frames);
+
+/// Confidence that `better` is lower than `worse`, in [0, 1]: that the mean of the differences is above 0, by Student's
+/// t. Samples are in order of time, and neighbours may be correlated. So the standard error is also estimated from the
+/// means of ever longer spans (down to five), and the lowest confidence counts.
+double Confidence(const std::vector<double>& worse, const std::vector<double>& better);
+
+/// Confidence for independent samples.
+double ConfidenceOfSeparate(const std::vector<double>& worse, const std::vector<double>& better);
+
+/// Fewest parts of a take for a standard error.
+inline constexpr std::size_t kFewestSpans = 5;
+
+/// Confidence that a number `sigmas` standard errors from 0 is not 0, with the standard error from kFewestSpans spans.
+double SpanConfidence(double sigmas);
+
+/// Cumulative standard normal distribution.
+double NormalShare(double z);
+
+/// Text for messages: "depth views", and the option for wrong files.
+struct RigWords {
+  std::string views;
+  std::string option;
+};
+
+/// Share [0, 1] of the samples of views `a` and `b` that are equal; negative when neither has any.
+using Similarity = std::function<Expected<double>(std::size_t a, std::size_t b)>;
+
+/// Groups of two and more cameras with one pose in their calibrations, whatever their lenses: indices, increasing.
+std::vector<std::vector<std::size_t>> CamerasInOnePlace(const std::vector<Camera>& cameras);
+
+/// Code of cameras with one pose in their calibrations.
+inline constexpr const char* kOnePlace = "cameras_in_one_place";
+
+/// One "cameras_in_one_place" per group (value: share of equal samples), not corrected. Views of a group that are equal
+/// are one view given twice. Error kInconsistent where views of a group differ and `action` is kCorrect, because
+/// different images cannot come from one pose. Errors of `alike`.
+Expected<std::vector<RigFault>> FaultsOfSharedPlaces(const std::vector<Camera>& cameras, const Similarity& alike,
+                                                     AuditAction action, const RigWords& kind);
+
+/// Whether one of the faults reports different views with one pose.
+bool PlacesAreCopied(const std::vector<RigFault>& faults);
 
 }  // namespace mocurate

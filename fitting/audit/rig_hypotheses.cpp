@@ -7,15 +7,78 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/base/text.h"
-#include "fitting/audit/confidence.h"
+#include "core/motion/clip.h"
+#include "fitting/association/body_shape.h"
+#include "fitting/association/propose.h"
 #include "fitting/audit/rig_fault.h"
-#include "fitting/audit/view_agreement.h"
 #include "fitting/audit/view_sides.h"
 
 namespace mocurate {
 namespace {
+
+constexpr std::size_t kMomentsCompared = 24;  ///< moments, evenly spread over the take (numerical)
+constexpr double kFarOff = 0.1;  ///< of a person's extent: distance from the rays at which an entry has the full cost
+
+/// A view's frames nearest to the moments.
+KeypointView FramesAt(const KeypointView& view, const std::vector<double>& moments, int keypoints) {
+  KeypointView some;
+  some.camera = view.camera;
+  some.people = view.people;
+  const std::size_t numbers = static_cast<std::size_t>(view.people) * static_cast<std::size_t>(keypoints) * 3;
+  for (const double moment : moments) {
+    const auto next = std::lower_bound(view.time_s.begin(), view.time_s.end(), moment);
+    auto at = static_cast<std::size_t>(next - view.time_s.begin());
+    if (at == view.time_s.size() || (at > 0 && moment - view.time_s[at - 1] < view.time_s[at] - moment)) --at;
+    some.time_s.push_back(view.time_s[at]);
+    const auto first = view.values.begin() + static_cast<std::ptrdiff_t>(at * numbers);
+    some.values.insert(some.values.end(), first, first + static_cast<std::ptrdiff_t>(numbers));
+  }
+  return some;
+}
+
+/// Each view's frames nearest to at most 24 moments, evenly spaced over the first view's. Empty when a view has no
+/// frames.
+std::vector<KeypointView> AtSomeMoments(const std::vector<KeypointView>& views, int keypoints) {
+  const std::vector<double>& time = views[0].time_s;
+  const std::size_t count = std::min(kMomentsCompared, time.size());
+  std::vector<double> moments;
+  for (std::size_t i = 0; i < count; ++i) moments.push_back(time[i * time.size() / count]);
+  std::vector<KeypointView> some;
+  for (const KeypointView& view : views) {
+    if (view.time_s.empty()) return {};
+    some.push_back(FramesAt(view, moments, keypoints));
+  }
+  return some;
+}
+
+/// Mean cost of all entries of a frame, each 0 (on the rays of a body that other views propose) to 1 (of no body). Adds
+/// to `share` the share of entries that match a body.
+double CostOfAgreement(const std::vector<RigView>& rig, int frame, const std::vector<KnownLength>& lengths,
+                       double& share) {
+  std::vector<Sight> entries;
+  for (std::size_t v = 0; v < rig.size(); ++v) {
+    for (int p = 0; p < rig[v].people; ++p) {
+      if (rig[v].seen[rig[v].Entry(frame, p)] >= kLeastKeypoints) entries.push_back({static_cast<int>(v), frame, p});
+    }
+  }
+  if (entries.empty()) return 0.0;
+  double cost = static_cast<double>(entries.size());
+  for (const std::vector<Sight>& sights : ProposePeople(rig, entries, lengths, 0.0)) {
+    if (sights.size() < 3 && rig.size() > 3) continue;  // two views agree on a person by chance
+    const BodyPoints body = NearestBody(rig, sights);
+    for (const Sight& sight : sights) {
+      const double off =
+          EntryDistance(rig[static_cast<std::size_t>(sight.view)], sight.frame, sight.person, body, kLeastKeypoints) /
+          body.extent;
+      cost -= std::max(0.0, 1.0 - off / kFarOff);
+      share += 1.0 / static_cast<double>(entries.size());
+    }
+  }
+  return cost / static_cast<double>(entries.size());
+}
 
 /// Cost of an entry up to which no hypothesis is tested. For synthetic people (4 px of noise) it is 0.04 to 0.07 with
 /// rings and PHSPD's cameras, 0.11 with Human3.6M's more distant ones. In a ring of four with two opposite cameras
@@ -37,32 +100,10 @@ constexpr double kEqualCostDifference = 1e-3;
 /// Factor between the image size of the keypoints and the calibration's, each tested (numerical).
 constexpr std::array<double, 8> kUnitFactors = {0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5, 2.0, 3.0, 4.0};
 
-std::vector<std::size_t> AsGiven(std::size_t views) {
-  std::vector<std::size_t> source(views);
-  std::iota(source.begin(), source.end(), std::size_t{0});
-  return source;
-}
-
-void AddExchanges(std::size_t views, std::vector<RigHypothesis>& hypotheses) {
-  RigHypothesis hypothesis;
-  hypothesis.source = AsGiven(views);
-  if (views <= kViewsAllPermuted) {
-    while (std::next_permutation(hypothesis.source.begin(), hypothesis.source.end())) hypotheses.push_back(hypothesis);
-    return;
-  }
-  for (std::size_t a = 0; a < views; ++a) {
-    for (std::size_t b = a + 1; b < views; ++b) {
-      hypotheses.push_back(hypothesis);
-      std::swap(hypotheses.back().source[a], hypotheses.back().source[b]);
-    }
-  }
-}
-
 /// Adds hypotheses for one view or for all: mirrored, with and without exchanged sides, and other image sizes; for one
 /// view also exchanged sides alone.
 void AddViewChanges(const std::vector<std::size_t>& views, std::size_t all, std::vector<RigHypothesis>& hypotheses) {
-  RigHypothesis hypothesis;
-  hypothesis.source = AsGiven(all);
+  RigHypothesis hypothesis = RigHypothesis::AsGiven(all);
   hypothesis.views = views;
   for (const auto& [mirrored, sides] : {std::pair(true, false), std::pair(true, true), std::pair(false, true)}) {
     if (!mirrored && views.size() == all) continue;  // sides exchanged in all views have no effect on agreement
@@ -77,10 +118,14 @@ void AddViewChanges(const std::vector<std::size_t>& views, std::size_t all, std:
 }
 
 std::vector<RigHypothesis> AllHypotheses(std::size_t views) {
+  RigHypothesis exchange;
   std::vector<RigHypothesis> hypotheses;
-  AddExchanges(views, hypotheses);
+  for (std::vector<std::size_t>& source : FileExchanges(views)) {
+    exchange.source = std::move(source);
+    hypotheses.push_back(exchange);
+  }
   for (std::size_t v = 0; v < views; ++v) AddViewChanges({v}, views, hypotheses);
-  AddViewChanges(AsGiven(views), views, hypotheses);
+  AddViewChanges(RigHypothesis::AsGiven(views).source, views, hypotheses);
   return hypotheses;
 }
 
@@ -105,7 +150,7 @@ KeypointView ViewUnder(const std::vector<KeypointView>& views, std::size_t v,
                        const std::vector<std::size_t>& other_side, const RigHypothesis& hypothesis) {
   KeypointView view = views[hypothesis.source[v]];
   view.camera = views[v].camera;
-  if (std::find(hypothesis.views.begin(), hypothesis.views.end(), v) == hypothesis.views.end()) return view;
+  if (!hypothesis.ChangesView(v)) return view;
   return TransformView(std::move(view), other_side, hypothesis);
 }
 
@@ -163,7 +208,7 @@ class HypothesisScorer {
   }
 
   const RigView& At(std::size_t v, const RigHypothesis& hypothesis) {
-    const bool changed = std::find(hypothesis.views.begin(), hypothesis.views.end(), v) != hypothesis.views.end();
+    const bool changed = hypothesis.ChangesView(v);
     const Key key(v, hypothesis.source[v], changed && hypothesis.mirrored, changed && hypothesis.sides,
                   changed ? hypothesis.factor : 1.0);
     const auto made = made_.find(key);
@@ -205,8 +250,7 @@ const ScoredHypothesis* BestOf(const std::vector<ScoredHypothesis>& all, const S
 std::string CamerasOf(const RigHypothesis& hypothesis, const std::vector<KeypointView>& views) {
   std::string names;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const bool read = std::find(hypothesis.views.begin(), hypothesis.views.end(), v) != hypothesis.views.end();
-    if (read || hypothesis.source[v] != v) names += (names.empty() ? "" : ", ") + views[v].camera.name;
+    if (hypothesis.Concerns(v)) names += (names.empty() ? "" : ", ") + views[v].camera.name;
   }
   return names;
 }
@@ -232,6 +276,15 @@ std::string WordsOf(const RigHypothesis& hypothesis, const std::vector<KeypointV
          RoundedText(hypothesis.factor, 3);
 }
 
+RigHypothesis RigHypothesis::AsGiven(std::size_t views) {
+  RigHypothesis given;
+  given.source.resize(views);
+  std::iota(given.source.begin(), given.source.end(), std::size_t{0});
+  return given;
+}
+
+bool RigHypothesis::ChangesView(std::size_t v) const { return std::find(views.begin(), views.end(), v) != views.end(); }
+
 std::size_t RigHypothesis::Displaced() const {
   std::size_t displaced = 0;
   for (std::size_t v = 0; v < source.size(); ++v) displaced += source[v] != v ? 1 : 0;
@@ -244,9 +297,7 @@ RigHypotheses FindRigHypotheses(const std::vector<KeypointView>& views, const st
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);
-  RigHypothesis as_given;
-  as_given.source = AsGiven(views.size());
-  const ScoredHypothesis given = scorer(as_given);
+  const ScoredHypothesis given = scorer(RigHypothesis::AsGiven(views.size()));
   if (given.mean <= kAgreeing) return {};
   std::vector<RigHypothesis> tested = AllHypotheses(views.size());
   const auto skipped = [&](const RigHypothesis& hypothesis) {
@@ -289,9 +340,7 @@ std::vector<RigHypothesis> FindMirroredHypotheses(const std::vector<KeypointView
   const std::vector<KeypointView> some = AtSomeMoments(views, static_cast<int>(names.size()));
   if (some.empty()) return {};
   HypothesisScorer scorer(some, names, lengths, min_confidence);
-  RigHypothesis as_given;
-  as_given.source = AsGiven(views.size());
-  const ScoredHypothesis given = scorer(as_given);
+  const ScoredHypothesis given = scorer(RigHypothesis::AsGiven(views.size()));
   std::vector<RigHypothesis> found;
   for (const RigHypothesis& hypothesis : AllHypotheses(views.size())) {
     const bool exchanged = hypothesis.ExchangesFiles() && hypothesis.Displaced() == 2;

@@ -16,7 +16,10 @@ struct RigHypothesis {
   bool sides = false;               ///< their left and right are exchanged, as by a detector on a mirrored image
   double factor = 1.0;              ///< factor on their pixels
 
+  static RigHypothesis AsGiven(std::size_t views);
   bool ExchangesFiles() const { return views.empty(); }
+  bool ChangesView(std::size_t v) const;
+  bool Concerns(std::size_t v) const { return source[v] != v || ChangesView(v); }
   std::size_t Displaced() const;  ///< number of exchanged files
 };
 

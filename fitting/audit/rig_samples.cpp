@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "fitting/association/person_views.h"
+#include "fitting/association/associate.h"
 
 namespace mocurate {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "fitting/association/associate.h"
 #include "fitting/association/rig_view.h"
-#include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {

@@ -42,10 +42,7 @@ std::vector<Pair> PairsOfParts(const std::vector<std::string>& names, const std:
 double CostOfDetection(const ViewKeypoints& view, std::size_t at, std::size_t of_point,
                        const TriangulatedTracks& points, double noise_px) {
   const Eigen::Map<const Vector3d> point(points.positions.xyz.data() + 3 * of_point);
-  const Vector3d in_camera = view.camera.camera_from_world * point;
-  if (!(in_camera.z() > 0.0)) return kMostDetectionCost;
-  const Vector2d off = in_camera.head<2>() / in_camera.z() - view.normalised[at];
-  const double square = std::pow(view.camera.fx * off.x(), 2) + std::pow(view.camera.fy * off.y(), 2);
+  const double square = PixelError(view, at, point).squaredNorm();
   return std::min(3.0 * std::log1p(square / (4.0 * noise_px * noise_px)), kMostDetectionCost);
 }
 

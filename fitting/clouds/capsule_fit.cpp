@@ -16,8 +16,6 @@
 namespace mocurate {
 namespace {
 
-/// m; mean joint movement at convergence, well below the error of the body (numerical).
-constexpr double kSettled = 1e-3;
 constexpr double kRise = 1e-3;     ///< of the cost, that a new matching may bring (numerical)
 constexpr int kSigmaRounds = 2;    ///< of a sigma that is measured: at the start and at the minimum (numerical)
 constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit (numerical)

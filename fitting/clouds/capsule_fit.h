@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "fitting/clouds/cloud_body.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/costs/pose_state.h"

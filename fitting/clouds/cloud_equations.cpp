@@ -15,17 +15,11 @@ namespace {
 
 constexpr double kBodyPatch = 0.05;  ///< m; closer points share the error of the capsule body
 
-/// The point of a capsule's axis nearest to another point.
-Vector3d NearestOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
-  const Vector3d axis = ends.end - ends.begin;
-  const double square = axis.squaredNorm();
-  const double along = (point - ends.begin).dot(axis);
-  return ends.begin + (square > 0.0 && along > 0.0 ? std::min(1.0, along / square) : 0.0) * axis;
-}
-
 }  // namespace
 
-double PatchShare(double voxel_size) { return std::min(1.0, voxel_size / kBodyPatch); }
+double PatchShare(const PointCloudOptions& options) {
+  return options.rules.on(FittingRule::kPatchShare) ? std::min(1.0, options.voxel_size / kBodyPatch) : 1.0;
+}
 
 std::vector<RestAndLimits> PriorsInClouds(const Skeleton& skeleton, const PoseGaussian* pose,
                                           const PointCloudOptions& options) {
@@ -61,7 +55,8 @@ double CloudEquations::Cost() const {
   double twice = 0.0;
   for (const CloudMatch& match : terms_.matches) {
     const Vector3d point = terms_.cloud.points.col(match.point);
-    const double distance = (point - NearestOnAxis(ends[match.capsule], point)).norm();
+    const CapsuleEnds& axis = ends[match.capsule];
+    const double distance = (point - (axis.begin + PlaceOnAxis(axis, point) * (axis.end - axis.begin))).norm();
     twice += HuberValue(Square(terms_.weight * (distance - body_.capsules[match.capsule].radius)), terms_.huber);
   }
   for (const JointObservation& seen : terms_.joints) {
@@ -101,7 +96,8 @@ void CloudEquations::SumPoints() {
   for (const CloudMatch& match : terms_.matches) {
     const BodyCapsule& capsule = body_.capsules[match.capsule];
     const Vector3d point = terms_.cloud.points.col(match.point);
-    const Vector3d nearest = NearestOnAxis(ends[match.capsule], point);
+    const CapsuleEnds& axis = ends[match.capsule];
+    const Vector3d nearest = axis.begin + PlaceOnAxis(axis, point) * (axis.end - axis.begin);
     const Vector3d away = point - nearest;
     const double length = away.norm();
     if (length == 0.0) continue;  // on the axis: no direction

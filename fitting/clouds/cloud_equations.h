@@ -10,12 +10,8 @@
 namespace mocurate {
 
 /// Neighbouring points share the error of the body, so that a patch of them counts as one observation. Square root of a
-/// point's share in its patch, for one point per voxel.
-double PatchShare(double voxel_size);
-/// The same; 1 where the rule is off.
-inline double PatchShare(const PointCloudOptions& options) {
-  return options.rules.on(FittingRule::kPatchShare) ? PatchShare(options.voxel_size) : 1.0;
-}
+/// point's share in its patch, for one point per voxel; 1 where the rule is off.
+double PatchShare(const PointCloudOptions& options);
 /// Radians beyond a joint limit, standard deviation.
 inline constexpr double kCloudLimitSigma = 0.1;
 

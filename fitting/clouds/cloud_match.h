@@ -1,12 +1,35 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
-#include "fitting/clouds/cloud_body.h"
+#include "core/body/capsule_body.h"
 #include "fitting/clouds/depth_fusion.h"
 #include "fitting/costs/pose_gaussian.h"
+#include "fitting/costs/pose_state.h"
 
 namespace mocurate {
+
+/// Factor on the usual deviations from the template when the body shape is unknown (a given height, a tracker's own
+/// points, other skeletons), so that the template's is used. Source: bench_fit_clouds
+inline constexpr double kUnknownShape = 3.0;
+
+/// m; mean movement of the joints at convergence of a fit, well below the error of the body (numerical).
+inline constexpr double kSettled = 1e-3;
+
+/// Ends of a capsule in a frame of a state. Needs Update.
+inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, int frame) {
+  return EndsOf(capsule, state.global(frame, capsule.frame), state.position(frame, capsule.frame),
+                state.position(frame, capsule.end_joint));
+}
+
+/// Place [0, 1] on a capsule's axis that is nearest to a point.
+inline double PlaceOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
+  const Vector3d axis = ends.end - ends.begin;
+  const double square = axis.squaredNorm();
+  const double along = (point - ends.begin).dot(axis);
+  return square > 0.0 && along > 0.0 ? std::min(1.0, along / square) : 0.0;
+}
 
 /// A point and its matched capsule.
 struct CloudMatch {
@@ -52,5 +75,13 @@ struct FrameTerms {
   std::vector<JointObservation> joints = {};
   const PoseGaussian* pose = nullptr;  ///< of other evidence; replaces the rest pose and the limits of its joints
 };
+
+/// Fits capsule ends (in their joints' frames) and radii to the points of some frames with known poses. Linear least
+/// squares per capsule, left and right together, with a prior from the usual variation between people and template.
+/// `pose_variance` (J, m^2 per axis) is the uncertainty of the poses, common to all frames: an offset of that size is
+/// attributed to the pose. Returns the share of the prior shape variance that remains, mean over capsules. Needs Update
+/// of these frames.
+double FitCapsuleOffsets(const std::vector<FusedCloud>& clouds, const PoseState& state, const std::vector<int>& frames,
+                         double max_distance, const std::vector<double>& pose_variance, CapsuleBody& body);
 
 }  // namespace mocurate

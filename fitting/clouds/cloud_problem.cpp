@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fitting/clouds/capsule_distance_cost.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/costs/joint_limit_cost.h"
 #include "fitting/costs/joint_position_cost.h"

@@ -8,7 +8,7 @@
 
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
-#include "fitting/clouds/cloud_size.h"
+#include "fitting/clouds/cloud_shape.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 
@@ -51,11 +51,8 @@ Expected<CloudsOfClips> SomeCloudsOf(const std::vector<Clip>& clips, const Point
       some.frame.push_back(FrameOfFew(k, count, available));
     }
   }
-  if (!clips.empty() && some.nothing_from.size() == clips.size()) {
-    Error error = some.nothing_from.front().second;
-    error.where = clips.front().id() + (error.where.empty() ? "" : ": " + error.where);
-    return tl::unexpected<Error>(std::move(error));
-  }
+  if (!clips.empty() && some.nothing_from.size() == clips.size())
+    return InClip(some.nothing_from.front().second, clips.front());
   return some;
 }
 

@@ -7,18 +7,14 @@
 #include <utility>
 
 #include "core/base/text.h"
-#include "fitting/audit/cameras_in_one_place.h"
-#include "fitting/audit/confidence.h"
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/inconsistent_views.h"
 #include "fitting/clouds/observed_rig.h"
 #include "fitting/clouds/rig_clocks.h"
 #include "fitting/clouds/rig_common_faults.h"
 #include "fitting/clouds/rig_exchange.h"
-#include "fitting/clouds/rig_far_views.h"
-#include "fitting/clouds/rig_fault_text.h"
-#include "fitting/clouds/view_comparison.h"
 #include "fitting/clouds/view_registration.h"
+#include "fitting/clouds/view_surface.h"
 #include "fitting/evidence/noise.h"
 
 namespace mocurate {

@@ -1,4 +1,4 @@
-#include "fitting/clouds/cloud_size.h"
+#include "fitting/clouds/cloud_shape.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,6 @@
 #include "core/base/text.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_start.h"
-#include "fitting/clouds/limb_search.h"
 #include "fitting/stop_request.h"
 
 namespace mocurate {

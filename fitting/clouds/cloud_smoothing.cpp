@@ -16,9 +16,8 @@ namespace {
 
 constexpr std::size_t kPart = 300;      ///< frames of a part (numerical)
 constexpr std::size_t kContext = 30;    ///< frames on either side that are fitted with a part (numerical)
-constexpr int kRounds = 10;             ///< matchings, at most (numerical)
+constexpr int kPathRounds = 10;         ///< matchings, at most (numerical)
 constexpr int kHalvings = 4;            ///< of a step that does not lower the cost (numerical)
-constexpr double kSettled = 1e-3;       ///< m; mean movement of the joints at convergence (numerical)
 constexpr double kLongestStep_s = 0.4;  ///< between neighbours that are coupled: later a limb may have any pose
 
 /// Frames `begin` to `end` of a chain, fitted together.
@@ -48,7 +47,7 @@ class ChainPart {
   /// Whether the joints settled.
   Expected<bool> Solve() {
     double before = Cost();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kPathRounds; ++round) {
       if (Status on = StopIfInterrupted("fit of depth views"); !on) return Forward(on);
       if (!std::isfinite(before)) return Fail(ErrorCode::kInconsistent, "the cost is not finite", Frames());
       if (Status factored = Factor(); !factored) return Forward(factored);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/base/pi.h"
-#include "fitting/clouds/limb_search.h"
 
 namespace mocurate {
 namespace {

@@ -1,6 +1,8 @@
 #include "fitting/clouds/depth_fusion.h"
 
+#include <open3d/geometry/Image.h>
 #include <open3d/geometry/PointCloud.h>
+#include <open3d/io/ImageIO.h>
 #include <open3d/utility/Logging.h>
 
 #include <algorithm>
@@ -12,8 +14,10 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/file.h"
 #include "core/base/sha256.h"
-#include "fitting/clouds/depth_image.h"
+#include "core/base/unpacked_limit.h"
+#include "core/formats/png.h"
 #include "fitting/clouds/depth_normals.h"
 
 namespace mocurate {
@@ -87,7 +91,7 @@ FusedCloud Thin(const open3d::geometry::PointCloud& cloud, double voxel_size) {
 
 Expected<FusedCloud> Fuse(const open3d::geometry::PointCloud& cloud, double voxel_size, const char* what) {
   open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
-  if (cloud.points_.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  if (cloud.points_.empty()) return FusedCloud();
   try {
     return Thin(cloud, voxel_size);
   } catch (const std::exception& error) {
@@ -194,15 +198,20 @@ Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash
   return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file.string(), "ingest it again");
 }
 
-FusedCloud CoarseCloud(const FusedCloud& cloud, int count) {
-  const int step = std::max(1, cloud.size() / count);
-  const int size = (cloud.size() + step - 1) / step;
-  FusedCloud coarse{Eigen::Matrix3Xd(3, size), Eigen::Matrix3Xd(3, size), 0};
-  for (int i = 0; i < size; ++i) {
-    coarse.points.col(i) = cloud.points.col(static_cast<Eigen::Index>(i) * step);
-    coarse.normals.col(i) = cloud.normals.col(static_cast<Eigen::Index>(i) * step);
+FusedCloud ChosenPoints(const FusedCloud& cloud, const std::vector<int>& points) {
+  const auto count = static_cast<Eigen::Index>(points.size());
+  FusedCloud chosen{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), 0};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    chosen.points.col(i) = cloud.points.col(points[static_cast<std::size_t>(i)]);
+    chosen.normals.col(i) = cloud.normals.col(points[static_cast<std::size_t>(i)]);
   }
-  return coarse;
+  return chosen;
+}
+
+FusedCloud CoarseCloud(const FusedCloud& cloud, int count) {
+  std::vector<int> points;
+  for (int i = 0; i < cloud.size(); i += std::max(1, cloud.size() / count)) points.push_back(i);
+  return ChosenPoints(cloud, points);
 }
 
 std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& image, int x, int y) {
@@ -210,23 +219,6 @@ std::optional<PixelPlane> PlaneAtPixel(const DepthView& view, const DepthImage& 
   if (!plane || plane->at <= 0.0) return std::nullopt;
   const Vector3d point = view.camera.Unproject(Vector2d(x, y), 1.0 / plane->at);
   return PixelPlane{point, -NormalOf(*plane, view.camera, point).normalized()};
-}
-
-Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame) {
-  const Expected<DepthImage> image = ReadDepthFrame(view, frame);
-  if (!image) return Forward(image);
-  const auto is_measured = [](std::uint16_t value) { return value != 0; };
-  Eigen::Matrix3Xd points(3, std::count_if(image->values.begin(), image->values.end(), is_measured));
-  const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);
-  Eigen::Index next = 0;
-  for (int y = 0; y < image->height; ++y) {
-    for (int x = 0; x < image->width; ++x) {
-      const std::uint16_t value = image->values[static_cast<std::size_t>(y) * image->width + x];
-      if (!is_measured(value)) continue;
-      points.col(next++) = world_from_camera * view.camera.Unproject(Vector2d(x, y), value * view.metres_per_unit);
-    }
-  }
-  return points;
 }
 
 Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame) {
@@ -257,6 +249,59 @@ Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, d
   const Expected<std::vector<DepthImage>> images = ReadFrame(views, frame);
   if (!images) return Forward(images);
   return FuseImages(views, *images, voxel_size);
+}
+
+namespace {
+
+/// Bytes of the pixels that a JPEG declares in the header of its frame; empty where it has none.
+std::optional<std::uint64_t> DeclaredPixels(const std::string& jpeg) {
+  const auto byte = [&jpeg](std::size_t at) -> std::uint64_t { return static_cast<unsigned char>(jpeg[at]); };
+  for (std::size_t at = 2; at + 10 <= jpeg.size() && byte(at) == 0xFF;) {
+    const std::uint64_t marker = byte(at + 1);
+    const bool frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (frame) return (byte(at + 5) << 8 | byte(at + 6)) * (byte(at + 7) << 8 | byte(at + 8)) * byte(at + 9);
+    at += marker == 0xFF ? 1 : 2 + (byte(at + 2) << 8 | byte(at + 3));  // a filling byte, or a segment
+  }
+  return std::nullopt;
+}
+
+Expected<PngImage> ReadJpeg(const std::string& bytes, const std::filesystem::path& path) {
+  const auto pixels = DeclaredPixels(bytes);
+  if (pixels && *pixels > MostUnpacked(bytes.size())) {
+    return Fail(ErrorCode::kMalformed,
+                "the image unpacks to " + std::to_string(*pixels) + " bytes; a file of " +
+                    std::to_string(bytes.size()) + " bytes may hold " + std::to_string(MostUnpacked(bytes.size())),
+                path.string(), "make the image smaller");
+  }
+  open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);  // standard output is for documents
+  try {
+    open3d::geometry::Image image;
+    if (pixels && open3d::io::ReadImageFromJPG(path.string(), image) && image.HasData())
+      return PngImage{{image.width_, image.height_, 8, image.num_of_channels_}, std::move(image.data_)};
+  } catch (const std::exception&) {
+    // Reported below.
+  }
+  return Fail(ErrorCode::kMalformed, "not a PNG or JPEG image, or damaged", path.string(), "copy it again");
+}
+
+}  // namespace
+
+Expected<PixelMask> ReadPixelMask(const std::filesystem::path& path) {
+  const Expected<std::string> bytes = ReadFile(path);
+  if (!bytes) return Forward(bytes);
+  const bool is_png = bytes->compare(0, 4, "\x89PNG") == 0;
+  const Expected<PngImage> image = is_png ? DecodePng(*bytes, path.string()) : ReadJpeg(*bytes, path);
+  if (!image) return Forward(image);
+  if (image->header.bits != 8) return Fail(ErrorCode::kMalformed, "a mask has channels of 8 bits", path.string());
+  PixelMask mask{image->header.width, image->header.height, {}};
+  const auto channels = static_cast<std::size_t>(image->header.channels);
+  for (std::size_t i = 0; i < image->bytes.size(); i += channels) mask.inside.push_back(image->bytes[i] >= 128 ? 1 : 0);
+  return mask;
+}
+
+Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path) {
+  const Expected<std::string> bytes = ReadFile(path);
+  return bytes ? DecodeDepthPng(*bytes, path.string()) : Forward(bytes);
 }
 
 }  // namespace mocurate

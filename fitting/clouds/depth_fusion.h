@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,9 @@ inline constexpr int kFewestPoints = 100;  ///< points; fewest of a cloud to whi
 /// `hash`: of the file at ingestion, or empty. Error kInconsistent if it differs.
 Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash);
 
+/// Some of a cloud's points.
+FusedCloud ChosenPoints(const FusedCloud& cloud, const std::vector<int>& points);
+
 /// Every n-th point, about `count` in total.
 FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
 
@@ -31,9 +35,6 @@ FusedCloud CoarseCloud(const FusedCloud& cloud, int count);
 /// name. Errors of ReadDepthImage; kInconsistent for an image with another size than its camera, or changed since
 /// ingestion (where a hash is given).
 Expected<std::vector<DepthImage>> ReadFrame(const std::vector<DepthView>& views, int frame);
-
-/// Every measured pixel of one view in the world, in the order of the pixels. Errors of ReadFrame.
-Expected<Eigen::Matrix3Xd> BackProject(const DepthView& view, int frame);
 
 /// The surface at a measured pixel, in the camera's frame.
 struct PixelPlane {
@@ -57,5 +58,12 @@ Expected<FusedCloud> FusePoints(std::vector<Vector3d> points, std::vector<Vector
 
 /// Reads a frame and fuses it with FuseImages.
 Expected<FusedCloud> FuseViews(const std::vector<DepthView>& views, int frame, double voxel_size);
+
+/// Reads a PNG of one 16-bit channel. Errors: kNotFound, kUnreadable, kMalformed for a damaged image or other pixels.
+Expected<DepthImage> ReadDepthImage(const std::filesystem::path& path);
+
+/// Reads a mask, an 8-bit PNG or JPEG: inside where the first channel is at least 128 (JPEG blurs edges). Errors of
+/// ReadDepthImage.
+Expected<PixelMask> ReadPixelMask(const std::filesystem::path& path);
 
 }  // namespace mocurate

@@ -76,16 +76,11 @@ void EstimateNormals(const Eigen::Matrix3Xd& cloud, double radius, FusedCloud& t
   std::vector<std::size_t> sorted = counts;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
   const double fewest = kStrayShare * static_cast<double>(sorted[sorted.size() / 2]);
-  FusedCloud surface{Eigen::Matrix3Xd(3, thin.size()), Eigen::Matrix3Xd(3, thin.size()), thin.excluded};
-  Eigen::Index size = 0;
+  std::vector<int> kept_points;
   for (int i = 0; i < thin.size(); ++i) {
-    if (static_cast<double>(counts[static_cast<std::size_t>(i)]) < fewest) continue;
-    surface.points.col(size) = thin.points.col(i);
-    surface.normals.col(size++) = thin.normals.col(i);
+    if (static_cast<double>(counts[static_cast<std::size_t>(i)]) >= fewest) kept_points.push_back(i);
   }
-  surface.points.conservativeResize(3, size);
-  surface.normals.conservativeResize(3, size);
-  thin = std::move(surface);
+  thin = ChosenPoints(thin, kept_points);
 }
 
 void FaceOutwards(double reach, FusedCloud& cloud) {

@@ -11,10 +11,9 @@
 #include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_smoothing.h"
+#include "fitting/clouds/cloud_start.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
-#include "fitting/clouds/frame_finding.h"
-#include "fitting/clouds/limb_search.h"
 #include "fitting/fit_result.h"
 
 namespace mocurate {
@@ -138,8 +137,7 @@ void AddUncertainty(SmoothedTrack track, const Shown& shown, const PointCloudOpt
 void ReportUntrackedFrames(const CloudTrack& track, FitResult& result) {
   std::vector<bool> without;
   for (const auto& outcome : track.outcomes) without.push_back(outcome.iterations == 0);
-  ReportFramesWithout(without, "too few depth points, pose of the previous or next frame used",
-                      FindingAction::kInterpolated, result.findings);
+  ReportFramesWithout(without, "too few depth points, pose of the previous or next frame used", result.findings);
 }
 
 /// Reports arms and legs that the views almost never observe. Their pose is an assumption, and their parent joint is

@@ -1,12 +1,13 @@
 #include "fitting/clouds/inconsistent_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 
 namespace mocurate {
 namespace {
@@ -62,16 +63,15 @@ std::vector<RigFault> FindInconsistentViews(const ObservedRig& rig, const std::v
   for (std::size_t v = 0; v < rig.views.size(); ++v) {
     if (!best[v] || *best[v] < kInconsistentViewLoss) continue;
     const std::vector<double> seen = OfView(rig, v, losses, losses).first;
-    RigFault fault;
-    fault.code = kContradictingView;
-    fault.camera = rig.views[v].camera.name;
-    fault.value = 100.0 * *best[v];
+    const std::string& camera = rig.views[v].camera.name;
+    RigFault fault =
+        MakeFault(kContradictingView, camera, 100.0 * *best[v],
+                  "depth camera " + camera + " contradicts every other view, the nearest one in " +
+                      RoundedText(100.0 * *best[v], 2) + " % of its points" +
+                      (exclude ? ", and the others agree with each other" : "") + ": its clock offset may exceed " +
+                      RoundedText(1e3 * options.longest_s, 3) + " ms, or it shows another scene");
     fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kInconsistentViewLoss));
     fault.corrected = exclude;
-    fault.message = "depth camera " + fault.camera + " contradicts every other view, the nearest one in " +
-                    RoundedText(100.0 * *best[v], 2) + " % of its points" +
-                    (exclude ? ", and the others agree with each other" : "") + ": its clock offset may exceed " +
-                    RoundedText(1e3 * options.longest_s, 3) + " ms, or it shows another scene";
     if (fault.confidence >= kInconsistentViewConfidence) inconsistent_views.push_back(std::move(fault));
   }
   return inconsistent_views;
@@ -120,19 +120,102 @@ std::vector<RigFault> ContradictionOf(const std::vector<std::string>& cameras, c
   if (cameras.size() < kLeastViewsAudited || worst < kMissing) return {};
   std::vector<RigFault> faults;
   for (std::size_t v = 0; v < cameras.size(); ++v) {
-    RigFault fault;
-    fault.code = kContradictingView;
-    fault.camera = cameras[v];
-    fault.value = 100.0 * losses[v];
+    RigFault fault = MakeFault(
+        kContradictingView, cameras[v], 100.0 * losses[v],
+        "the surfaces of depth camera " + cameras[v] + " miss those of the other cameras (loss " +
+            RoundedText(losses[v], 2) + ", for views that agree 0.05): the depths or the pose of one camera are " +
+            "wrong; with so few moments, which one is ambiguous; check the calibration and the unit of each camera");
     fault.confidence = 1.0;
     fault.confidence_of = ConfidenceOf::kModel;
-    fault.message =
-        "the surfaces of depth camera " + cameras[v] + " miss those of the other cameras (loss " +
-        RoundedText(losses[v], 2) + ", for views that agree 0.05): the depths or the pose of one camera are " +
-        "wrong; with so few moments, which one is ambiguous; check the calibration and the unit of each camera";
     faults.push_back(std::move(fault));
   }
   return faults;
+}
+
+namespace {
+
+constexpr double kHalfDepth = 0.1;       ///< m; visible surface of a person in front of the centre
+constexpr double kAwayAlongSight = 0.9;  ///< of the offset: least share along the line of sight
+/// Factor; largest difference from the one of the offset. Where one view has the person inside the other view's person,
+/// that one cannot observe it, and the loss is uninformative.
+constexpr double kFactorReach = 0.03;
+constexpr double kFinestWayAside = 0.0025;  ///< factor; last step of the search (numerical)
+
+}  // namespace
+
+std::vector<Vector3d> AsideOf(const ObservedRig& rig, const std::vector<Camera>& cameras) {
+  std::vector<Vector3d> aside(cameras.size(), Vector3d::Zero());
+  std::vector<double> moments(cameras.size(), 0.0);
+  for (const ObservedMoment& moment : rig.moments) {
+    std::vector<std::optional<Vector3d>> middle(moment.size());
+    for (std::size_t v = 0; v < moment.size(); ++v) {
+      if (moment[v] == nullptr) continue;
+      const Vector3d seen = Inverse(cameras[v].camera_from_world) * Vector3d(moment[v]->points.rowwise().mean());
+      middle[v] = seen + kHalfDepth * (seen - cameras[v].Centre()).normalized();
+    }
+    for (std::size_t v = 0; v < moment.size(); ++v) {
+      Vector3d others = Vector3d::Zero();
+      double count = 0.0;
+      for (std::size_t o = 0; o < moment.size(); ++o) {
+        if (o == v || !middle[o]) continue;
+        others += *middle[o];
+        count += 1.0;
+      }
+      if (!middle[v] || count == 0.0) continue;
+      aside[v] += *middle[v] - others / count;
+      moments[v] += 1.0;
+    }
+  }
+  for (std::size_t v = 0; v < aside.size(); ++v) aside[v] /= std::max(moments[v], 1.0);
+  return aside;
+}
+
+std::vector<DepthView> WithDepths(std::vector<DepthView> views, std::size_t view, double factor) {
+  views[view].metres_per_unit *= factor;
+  return views;
+}
+
+Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& sampler, const std::vector<int>& delays,
+                                                     const ObservedRig& rig, const std::vector<Camera>& cameras) {
+  const std::vector<Vector3d> aside = AsideOf(rig, cameras);
+  const auto farthest = std::max_element(aside.begin(), aside.end(), [](const Vector3d& a, const Vector3d& b) {
+    return a.squaredNorm() < b.squaredNorm();
+  });
+  WrongDepths found;
+  found.view = static_cast<std::size_t>(farthest - aside.begin());
+  const Vector3d sight = rig.centre - cameras[found.view].Centre();
+  const double along = farthest->dot(sight.normalized());
+  if (farthest->norm() < kAside || std::abs(along) < kAwayAlongSight * farthest->norm()) {
+    return std::optional<WrongDepths>();
+  }
+  const double distance = sight.norm() + farthest->norm() / static_cast<double>(cameras.size());  // as it sees it
+  double middle = std::max(0.1, 1.0 - along / distance);
+  found.loss = 1.0;
+  for (double step = 0.01; step >= kFinestWayAside; step *= 0.5) {
+    const int reach = step == 0.01 ? static_cast<int>(std::lround(kFactorReach / step)) : 1;
+    for (int i = -reach; i <= reach; ++i) {
+      const double factor = middle + step * i;
+      if (factor <= 0.05) continue;
+      DepthRigSampler corrected(WithDepths(sampler.views(), found.view, factor));
+      const Expected<ObservedRig> seen = corrected.Seen(delays);
+      if (!seen) return Forward(seen);
+      const double loss = MeanLoss(LossOfSamples(*seen, cameras));
+      if (loss >= found.loss) continue;
+      found.loss = loss;
+      found.factor = factor;
+    }
+    middle = found.factor;
+  }
+  found.too_long = distance * (1.0 - found.factor);
+  return std::optional<WrongDepths>(found);
+}
+
+RigFault DepthsOff(const std::string& camera, const WrongDepths& wrong) {
+  const double off_mm = 1e3 * wrong.too_long;
+  return MakeFault("camera_depths_off", camera, off_mm,
+                   "depths of camera " + camera + " are " + RoundedText(std::abs(off_mm), 2) + " mm too " +
+                       (off_mm > 0.0 ? "long" : "short") + " at the person (by an offset, or a factor of " +
+                       RoundedText(1.0 / wrong.factor, 3) + ")");
 }
 
 }  // namespace mocurate

@@ -9,14 +9,14 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/geometry/symmetric.h"
 #include "fitting/clouds/capsule_offsets.h"
+#include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
-#include "fitting/clouds/frame_finding.h"
 #include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
 #include "fitting/uncertainty/body_sigma.h"
-#include "fitting/uncertainty/frame_orientation.h"
 
 namespace mocurate {
 namespace {

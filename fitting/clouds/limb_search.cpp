@@ -1,4 +1,4 @@
-#include "fitting/clouds/limb_search.h"
+#include "fitting/clouds/cloud_start.h"
 
 #include <algorithm>
 #include <vector>

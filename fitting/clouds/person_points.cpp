@@ -217,24 +217,15 @@ FusedCloud PersonPoints(const FusedCloud& cloud, double voxel_size) {
     }
   }
   std::sort(kept.begin(), kept.end());
-  FusedCloud cleaned{Eigen::Matrix3Xd(3, kept.size()), Eigen::Matrix3Xd(3, kept.size()),
-                     cloud.size() - static_cast<int>(kept.size())};
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    cleaned.points.col(static_cast<Eigen::Index>(i)) = cloud.points.col(kept[i]);
-    cleaned.normals.col(static_cast<Eigen::Index>(i)) = cloud.normals.col(kept[i]);
-  }
+  FusedCloud cleaned = ChosenPoints(cloud, kept);
+  cleaned.excluded = cloud.size() - cleaned.size();
   return cleaned;
 }
 
-namespace {
-
-constexpr double kVoxelsBetween = 2.5;  ///< voxels between neighbours of a thinned cloud, at most
-
-}  // namespace
-
 Expected<FusedCloud> ReadPersonCloud(const CloudFiles& clouds, int frame, double voxel_size) {
+  constexpr double kVoxelsBetween = 2.5;  ///< voxels between neighbours of a thinned cloud, at most
   const std::filesystem::path& file = clouds.files[frame];
-  if (file.empty()) return FusedCloud{Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), 0};
+  if (file.empty()) return FusedCloud();
   const Expected<std::string> bytes = ReadFile(file);
   if (!bytes) return Forward(bytes);
   if (Status same = CheckUnchanged(file, clouds.sha256[frame]); !same) return Forward(same);

@@ -6,7 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "fitting/audit/confidence.h"
+#include "core/base/text.h"
+#include "fitting/audit/rig_fault.h"
 
 namespace mocurate {
 namespace {
@@ -177,6 +178,13 @@ DepthView DelayBy(const DepthView& view, int frames) {
   shift(later.files, view.files), shift(later.sha256, view.sha256);
   shift(later.masks, view.masks), shift(later.mask_sha256, view.mask_sha256);
   return later;
+}
+
+RigFault DepthClockOff(const std::string& camera, double off_ms, int frames) {
+  return MakeFault("camera_clock_off", camera, off_ms,
+                   "depth camera " + camera + ": clock offset " + (off_ms > 0.0 ? "+" : "-") +
+                       RoundedText(std::abs(off_ms), 3) + " ms relative to the other cameras; its nearest image is " +
+                       Counted(std::abs(frames), "frame") + (frames > 0 ? " later" : " earlier"));
 }
 
 }  // namespace mocurate

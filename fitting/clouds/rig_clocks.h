@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/observed_rig.h"
 
 namespace mocurate {
@@ -31,5 +33,9 @@ Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vec
 
 /// The view with images `frames` later; frames without an image get an empty file name.
 DepthView DelayBy(const DepthView& view, int frames);
+
+/// The fault; the audit sets confidence and correction. `off_ms`: clock offset relative to the others; `frames`: offset
+/// of the nearest image.
+RigFault DepthClockOff(const std::string& camera, double off_ms, int frames);
 
 }  // namespace mocurate

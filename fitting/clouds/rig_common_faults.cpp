@@ -228,4 +228,30 @@ std::string WordsOf(const MisreadLengths& misread) {
   return words + (words.empty() ? "" : ", ") + Times(misread.places, "places of cameras are");
 }
 
+RigFault LengthsMisread(const MisreadLengths& misread) {
+  RigFault fault =
+      MakeFault("calibration_unit", "", misread.depth != 1.0 ? misread.depth : misread.places, WordsOf(misread));
+  fault.confidence = 1.0;
+  fault.confidence_of = ConfidenceOf::kModel;
+  fault.corrected = true;
+  return fault;
+}
+
+RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& common, const ObservedRig& rig) {
+  const std::string loss = "; after a correction, " + RoundedText(100.0 * common.loss_after, 2) +
+                           " % of their points contradict the others, as given " + RoundedText(100.0 * common.loss, 2) +
+                           " %";
+  if (common.mirrored)
+    return MakeFault("view_mirrored", JoinTexts(cameras), common.loss_after,
+                     "images of all depth cameras are mirrored (x counts from the right)" + loss);
+  double distance = 0.0;
+  for (const DepthView& view : rig.views)
+    distance += (rig.centre - view.camera.Centre()).norm() / static_cast<double>(rig.views.size());
+  const double off_mm = 1e3 * distance * (1.0 - common.factor);
+  return MakeFault("camera_depths_off", JoinTexts(cameras), off_mm,
+                   "depths of all cameras are too " + std::string(common.factor < 1.0 ? "long" : "short") +
+                       " by a factor of " + RoundedText(1.0 / common.factor, 3) + ", " +
+                       RoundedText(std::abs(off_mm), 2) + " mm at the person" + loss);
+}
+
 }  // namespace mocurate

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/observed_rig.h"
 
 namespace mocurate {
@@ -43,5 +44,10 @@ std::vector<DepthView> WithLengths(std::vector<DepthView> views, const MisreadLe
 
 /// "depths are 1000 times too long (millimetres read as metres)".
 std::string WordsOf(const MisreadLengths& misread);
+
+/// Always corrected and certain: no other unit gives a person.
+RigFault LengthsMisread(const MisreadLengths& misread);
+/// A fault of all cameras of a rig; the audit sets confidence and correction.
+RigFault FaultOfAll(const std::vector<std::string>& cameras, const CommonFault& common, const ObservedRig& rig);
 
 }  // namespace mocurate

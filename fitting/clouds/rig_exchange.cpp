@@ -4,8 +4,8 @@
 #include <array>
 #include <map>
 #include <memory>
-#include <numeric>
 
+#include "core/base/text.h"
 #include "fitting/audit/rig_fault.h"
 
 namespace mocurate {
@@ -16,24 +16,6 @@ constexpr double kMuchBetterExchanged = 0.6;  ///< of the loss as given
 constexpr double kEqualLossRatio = 1.15;      ///< ratio of two losses that count as equal
 
 using Source = std::vector<std::size_t>;
-
-std::vector<Source> ExchangesOf(std::size_t views) {
-  Source source(views);
-  std::iota(source.begin(), source.end(), std::size_t{0});
-  std::vector<Source> exchanges;
-  if (views <= kViewsAllPermuted) {
-    while (std::next_permutation(source.begin(), source.end())) exchanges.push_back(source);
-    return exchanges;
-  }
-  if (views > kMostViewsAudited) return exchanges;
-  for (std::size_t a = 0; a < views; ++a) {
-    for (std::size_t b = a + 1; b < views; ++b) {
-      exchanges.push_back(source);
-      std::swap(exchanges.back()[a], exchanges.back()[b]);
-    }
-  }
-  return exchanges;
-}
 
 bool MayBe(const Source& source, const ObservedRig& rig) {
   for (std::size_t v = 0; v < source.size(); ++v) {
@@ -86,13 +68,13 @@ class ExchangedRigs {
 
 std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::vector<double>& losses) {
   const double given = MeanLoss(losses);
-  if (given < kWrongLoss) return {};
+  if (given < kWrongLoss || rig.views.size() > kMostViewsAudited) return {};
   std::optional<FileExchange> best;
   std::vector<std::vector<double>> all;
   std::size_t chosen = 0;
   const std::vector<Camera> cameras = CamerasOf(rig.views);
   ExchangedRigs exchanged(rig);
-  for (const Source& source : ExchangesOf(rig.views.size())) {
+  for (const Source& source : FileExchanges(rig.views.size())) {
     if (!MayBe(source, rig)) continue;
     all.push_back(LossOfSamples(exchanged.With(source), cameras));
     const double loss = MeanLoss(all.back());
@@ -120,6 +102,25 @@ std::vector<DepthView> WithExchangedFiles(const std::vector<DepthView>& views, c
     exchanged[v].metres_per_unit = from.metres_per_unit;
   }
   return exchanged;
+}
+
+RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExchange& exchange) {
+  RigFault fault = MakeFault("cameras_exchanged", "", exchange.exchanged, "");
+  fault.confidence = exchange.confidence;
+  std::string pairs;
+  for (std::size_t v = 0; v < exchange.source.size(); ++v) {
+    if (exchange.source[v] == v) continue;
+    fault.camera += (fault.camera.empty() ? "" : ", ") + cameras[v];
+    pairs += (pairs.empty() ? "" : ", ") + cameras[v] + " in those of " + cameras[exchange.source[v]];
+  }
+  fault.message =
+      exchange.unique
+          ? "the files of depth cameras are exchanged: images of " + pairs + "; so " +
+                RoundedText(100.0 * exchange.exchanged, 2) + " % of their points contradict the others, as given " +
+                RoundedText(100.0 * exchange.loss, 2) + " %"
+          : "the files of depth cameras are exchanged, but which ones is ambiguous: the rig is symmetric, and "
+            "more than one exchange explains the views";
+  return fault;
 }
 
 }  // namespace mocurate

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/observed_rig.h"
 
 namespace mocurate {
@@ -21,5 +23,8 @@ struct FileExchange {
 std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::vector<double>& losses);
 
 std::vector<DepthView> WithExchangedFiles(const std::vector<DepthView>& views, const std::vector<std::size_t>& source);
+
+/// The fault; the audit sets its correction.
+RigFault ExchangedFiles(const std::vector<std::string>& cameras, const FileExchange& exchange);
 
 }  // namespace mocurate

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "fitting/audit/confidence.h"
+#include "core/base/pi.h"
+#include "core/base/text.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/clouds/depth_pose_graph.h"
 
 namespace mocurate {
@@ -192,6 +194,25 @@ Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector
 CameraMoveAt MoveBetween(const Camera& given, const Camera& other, const Vector3d& centre) {
   const Vector6d move = VectorOf(TotalMove(given, other), centre);
   return {move.tail<3>().norm(), move.head<3>().norm()};
+}
+
+RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre) {
+  constexpr double kMovedAlongSight = 0.95;  ///< share of a move along the line of sight, from which wrong depths
+                                             ///< explain it as well
+  constexpr double kStraight = 0.05;         ///< rad; a depth offset does not explain larger rotations
+  const CameraMoveAt move = MoveBetween(was, is, centre);
+  const Vector3d way = is.Centre() - was.Centre();
+  const double along = way.dot((centre - was.Centre()).normalized());
+  const bool of_depths = std::abs(along) >= kMovedAlongSight * way.norm() && move.turn < kStraight;
+  const double moved_mm = 1e3 * way.norm();
+  return MakeFault("camera_moved", was.name, moved_mm,
+                   "depth camera " + was.name + " stands " + RoundedText(moved_mm, 3) + " mm and " +
+                       RoundedText(kDegrees * move.turn, 2) +
+                       " degrees from its calibrated pose, which moves the person by " +
+                       RoundedText(1e3 * move.shift, 3) + " mm" +
+                       (!of_depths ? ""
+                                   : "; the move is along its line of sight: instead, its depths may be too " +
+                                         std::string(along > 0.0 ? "short" : "long")));
 }
 
 }  // namespace mocurate

@@ -6,7 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/motion/clip.h"
-#include "fitting/clouds/view_comparison.h"
+#include "fitting/audit/rig_fault.h"
+#include "fitting/clouds/view_surface.h"
 
 namespace mocurate {
 
@@ -49,5 +50,8 @@ struct CameraMoveAt {
   double turn = 0.0;   ///< rad
 };
 CameraMoveAt MoveBetween(const Camera& given, const Camera& other, const Vector3d& centre);
+
+/// The fault of such a move; the audit sets confidence and correction. `centre`: of the person.
+RigFault CameraMoved(const Camera& was, const Camera& is, const Vector3d& centre);
 
 }  // namespace mocurate

@@ -1,49 +1,54 @@
 #include "fitting/evidence/motion_tracks.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "core/base/resources.h"
 #include "core/motion/gaps.h"
 #include "core/motion/operations.h"
-#include "fitting/evidence/tracker_points.h"
+#include "fitting/fit_result.h"
 
 namespace mocurate {
-namespace {
 
-Error Of(const Clip& clip, Error error) {
-  error.where = clip.id() + (error.where.empty() ? "" : ": " + error.where);
-  return error;
+JointTracks SelectedTracks(const JointTracks& tracks, const std::vector<std::optional<std::string>>& names) {
+  const std::size_t points = names.size();
+  std::vector<std::size_t> kept;
+  JointTracks renamed;
+  renamed.time_s = tracks.time_s;
+  for (std::size_t k = 0; k < points; ++k) {
+    if (!names[k]) continue;
+    kept.push_back(k);
+    renamed.names.push_back(*names[k]);
+  }
+  renamed.positions = JointPositions(tracks.positions.frames, static_cast<int>(kept.size()));
+  for (int f = 0; f < tracks.positions.frames; ++f) {
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const std::size_t at = static_cast<std::size_t>(f) * points + kept[i];
+      renamed.positions.at(f, static_cast<int>(i)) = tracks.positions.at(f, static_cast<int>(kept[i]));
+      renamed.confidence.push_back(tracks.confidence[at]);
+      if (tracks.rotation.empty()) continue;
+      renamed.rotation.push_back(tracks.rotation[at]);
+      renamed.rotation_confidence.push_back(tracks.rotation_confidence[at]);
+    }
+  }
+  return renamed;
 }
+
+namespace {
 
 /// Tracks of joints that the skeleton has, or of its landmarks; the names of the others.
 JointTracks TracksOfSkeleton(const JointTracks& tracks, const Skeleton& skeleton, std::vector<std::string>& unknown) {
-  std::vector<std::size_t> known;
-  JointTracks kept;
-  kept.time_s = tracks.time_s;
-  for (std::size_t k = 0; k < tracks.names.size(); ++k) {
-    const std::string& name = tracks.names[k];
-    const bool landmark = std::any_of(skeleton.landmarks.begin(), skeleton.landmarks.end(),
-                                      [&](const Landmark& other) { return other.name == name; });
-    if (!landmark && !skeleton.FindJoint(name)) {
-      unknown.push_back(name);
-      continue;
-    }
-    known.push_back(k);
-    kept.names.push_back(name);
+  std::vector<std::optional<std::string>> names;
+  for (const std::string& name : tracks.names) {
+    const bool known =
+        skeleton.FindJoint(name) || std::any_of(skeleton.landmarks.begin(), skeleton.landmarks.end(),
+                                                [&](const Landmark& landmark) { return landmark.name == name; });
+    names.push_back(known ? std::optional(name) : std::nullopt);
+    if (!known) unknown.push_back(name);
   }
-  const int frames = tracks.positions.frames;
-  kept.positions = JointPositions(frames, static_cast<int>(known.size()));
-  for (int f = 0; f < frames; ++f) {
-    for (std::size_t k = 0; k < known.size(); ++k) {
-      kept.positions.at(f, static_cast<int>(k)) = tracks.positions.at(f, static_cast<int>(known[k]));
-      const std::size_t at = f * tracks.names.size() + known[k];
-      kept.confidence.push_back(tracks.confidence[at]);
-      if (tracks.rotation.empty()) continue;
-      kept.rotation.push_back(tracks.rotation[at]);
-      kept.rotation_confidence.push_back(tracks.rotation_confidence[at]);
-    }
-  }
-  return kept;
+  return SelectedTracks(tracks, names);
 }
 
 /// (F*J) Samples of the motion that are evidence: not interpolated ones, which the fit interpolates itself, nor frames
@@ -146,7 +151,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   }
   if (tracks == nullptr && clip.motion) {
     given = TracksOfMotion(*clip.motion, *skeleton);
-    if (!given) return tl::unexpected<Error>(Of(clip, given.error()));
+    if (!given) return InClip(given.error(), clip);
     tracks = &*given;
   }
   if (tracks == nullptr) {
@@ -157,11 +162,102 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
                     : "set fitting.method to what its source gives");
   }
   Expected<SkeletonTracks> mapped = MapTracks(*tracks, skeleton);
-  if (!mapped) return tl::unexpected<Error>(Of(clip, mapped.error()));
+  if (!mapped) return InClip(mapped.error(), clip);
   RelateConfidences(*mapped);
   mapped->place_sigma = PlaceSigmas(points, *skeleton);
   if (excluded != nullptr) *excluded = std::move(unknown);
   return mapped;
+}
+
+namespace {
+
+constexpr char kPrefix[] = "tracked_";
+
+bool IsTrackedPoint(const Joint& joint) { return joint.landmark && joint.name.rfind(kPrefix, 0) == 0; }
+
+const PointPlace* PlaceOf(const TrackerPoints& points, const std::string& name) {
+  const auto found = std::find_if(points.places.begin(), points.places.end(),
+                                  [&](const PointPlace& place) { return place.point == name; });
+  return found == points.places.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+TrackerPoints TrackerPointsOf(const Clip& clip, const Skeleton& body) {
+  TrackerPoints points;
+  const auto source = clip.provenance.find(kSourceSkeleton);
+  if (!clip.evidence.tracks || source == clip.provenance.end() || source->second == body.name) return points;
+  if (!FindResource("skeletons/" + source->second + ".yaml")) return points;
+  const auto of_body = LoadPointPlaces(body.name);
+  if (of_body && !of_body->empty()) return points;
+  auto places = LoadPointPlaces(source->second);
+  auto tracker = LoadSkeleton(source->second);
+  if (!places || !tracker) return points;
+  for (PointPlace& place : *places) {
+    if (body.FindJoint(place.joint)) points.places.push_back(std::move(place));
+  }
+  if (!points.places.empty()) points.tracker = *std::move(tracker);
+  return points;
+}
+
+std::string TrackedName(const std::string& point) { return kPrefix + point; }
+
+SkeletonPtr WithTrackerPoints(const SkeletonPtr& skeleton, const Clip& clip) {
+  const TrackerPoints points = TrackerPointsOf(clip, *skeleton);
+  if (!points.tracker) return skeleton;
+  auto body = std::make_shared<Skeleton>(*skeleton);
+  for (const PointPlace& place : points.places) {
+    Joint point;
+    point.name = TrackedName(place.point);
+    point.parent = *skeleton->FindJoint(place.joint);
+    point.rest_offset = place.offset;
+    point.landmark = true;
+    point.radius = 0.02;
+    point.mirror = body->joint_count();
+    const int own = *points.tracker->FindJoint(place.point);
+    const std::string partner = TrackedName(points.tracker->joints[points.tracker->joints[own].mirror].name);
+    for (int j = skeleton->joint_count(); j < body->joint_count(); ++j) {
+      if (body->joints[j].name != partner) continue;
+      body->joints[j].mirror = body->joint_count();
+      point.mirror = j;
+    }
+    body->joints.push_back(std::move(point));
+  }
+  return body;
+}
+
+SkeletonPtr WithoutTrackerPoints(const SkeletonPtr& body) {
+  if (!IsTrackedPoint(body->joints.back())) return body;
+  auto skeleton = std::make_shared<Skeleton>(*body);
+  while (IsTrackedPoint(skeleton->joints.back())) skeleton->joints.pop_back();
+  return skeleton;
+}
+
+JointTracks OnBodyOf(const TrackerPoints& points, const JointTracks& tracks, const Skeleton& body) {
+  if (!points.tracker) return tracks;
+  std::vector<std::optional<std::string>> names;
+  for (const std::string& name : tracks.names) {
+    const auto own = points.tracker->FindJoint(name);
+    const std::string meant = own ? points.tracker->joints[*own].name : name;
+    if (PlaceOf(points, meant) != nullptr) {
+      const bool has = body.FindJoint(TrackedName(meant)).has_value();
+      names.push_back(has ? std::optional(TrackedName(meant)) : std::nullopt);
+    } else {
+      names.emplace_back(body.FindJoint(meant) ? meant : name);
+    }
+  }
+  return SelectedTracks(tracks, names);
+}
+
+std::vector<double> PlaceSigmas(const TrackerPoints& points, const Skeleton& body) {
+  std::vector<double> sigmas;
+  for (const PointPlace& place : points.places) {
+    const auto joint = body.FindJoint(TrackedName(place.point));
+    if (!joint) continue;
+    sigmas.resize(body.joints.size(), 0.0);
+    sigmas[static_cast<std::size_t>(*joint)] = place.spread;
+  }
+  return sigmas;
 }
 
 }  // namespace mocurate

@@ -9,7 +9,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/quality/tracked_points.h"
-#include "fitting/association/rig_diagnosis.h"
+#include "fitting/association/body_shape.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 

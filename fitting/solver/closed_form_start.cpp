@@ -11,7 +11,7 @@
 #include "core/geometry/rotation.h"
 #include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/huber.h"
-#include "fitting/evidence/outliers.h"
+#include "fitting/evidence/noise.h"
 
 namespace mocurate {
 namespace {

@@ -8,9 +8,9 @@
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "core/motion/kinematics.h"
+#include "core/quality/tracked_points.h"
 #include "fitting/contacts/foot_contacts.h"
 #include "fitting/evidence/noise.h"
-#include "fitting/evidence/outliers.h"
 #include "fitting/fit_result.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
@@ -130,21 +130,18 @@ void MeasureResiduals(const SkeletonTracks& tracks, double sigma, const std::vec
 /// One finding per joint that has samples rejected.
 void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejected, FitResult& result) {
   for (int j = 0; j < tracks.joints(); ++j) {
-    Finding finding;
-    int count = 0;
+    int count = 0, first = 0, last = 0;
     for (int f = 0; f < tracks.frames(); ++f) {
       if (!rejected[static_cast<std::size_t>(f) * tracks.joints() + j]) continue;
-      if (count++ == 0) finding.frame_begin = f;
-      finding.frame_end = f + 1;
+      if (count++ == 0) first = f;
+      last = f;
     }
     if (count == 0) continue;
-    finding.code = kOutliersRejected;
+    Finding finding = FrameFinding(kOutliersRejected, first, last + 1, tracks.skeleton->joints[j].name, count,
+                                   Counted(count, "sample") + " rejected: far from neighbouring frames");
     finding.severity = Severity::kInfo;
-    finding.joint = tracks.skeleton->joints[j].name;
-    finding.value = count;
-    finding.message = Counted(count, "sample") + " rejected: far from neighbouring frames";
     finding.action = FindingAction::kMissing;
-    result.findings.push_back(finding);
+    result.findings.push_back(std::move(finding));
   }
 }
 
@@ -235,7 +232,7 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   MeasureResiduals(tracks, sigma, rejected, result);
   std::vector<bool> unseen = tracks.ObservedFrames();
   unseen.flip();
-  ReportFramesWithout(unseen, "no joint is observed", FindingAction::kInterpolated, result.findings);
+  ReportFramesWithout(unseen, "no joint is observed", result.findings);
   ReportOutliers(tracks, rejected, result);
   if (!noise.measured) ReportAssumedNoise(given.frames(), noise.sigma, result);
   return result;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/base/finding.h"
-#include "fitting/triangulation/keypoint_report.h"
+#include "fitting/triangulation/keypoint_tracks.h"
 #include "fitting/triangulation/robust_triangulation.h"
 
 namespace mocurate {

@@ -3,18 +3,18 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "fitting/association/associate.h"
-#include "fitting/association/person_views.h"
-#include "fitting/association/rig_diagnosis.h"
-#include "fitting/audit/cameras_in_one_place.h"
+#include "fitting/association/body_shape.h"
 #include "fitting/audit/keypoint_files.h"
 #include "fitting/audit/keypoint_order.h"
 #include "fitting/audit/rig_audit.h"
 #include "fitting/audit/rig_corrections.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/audit/view_sides.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/triangulation/inconsistent_cameras.h"
@@ -184,21 +184,6 @@ KeypointReport ReportOf(const Evidence& evidence, const std::vector<RigView>& ri
   return report;
 }
 
-/// Median of each known length over the frames.
-std::vector<double> MedianLengthsOfPoints(const TriangulatedTracks& points, const std::vector<KnownLength>& lengths) {
-  std::vector<double> medians;
-  for (const KnownLength& length : lengths) {
-    std::vector<double> samples;
-    for (int f = 0; f < points.positions.frames; ++f) {
-      const std::size_t first = static_cast<std::size_t>(f) * points.positions.joints;
-      if (points.confidence[first + length.from] <= 0.0 || points.confidence[first + length.to] <= 0.0) continue;
-      samples.push_back((points.positions.at(f, length.from) - points.positions.at(f, length.to)).norm());
-    }
-    medians.push_back(MeanMedian(samples));
-  }
-  return medians;
-}
-
 constexpr double kOddProportions = 0.15;  ///< log ratio of lengths, absolute, mean, from which other orders are tried
 constexpr double kMuchBetterOrder = 0.6;  ///< ratio of that mean in the other order
 
@@ -209,29 +194,26 @@ std::optional<RigFault> WrongOrder(const Evidence& evidence, const TriangulatedT
   const auto order = FindKeypointOrder(points.positions, points.confidence, evidence.keypoint_names, skeleton);
   if (!order || order->found > kMuchBetterOrder * order->given) return {};
   names = order->names;
-  RigFault fault;
-  fault.code = "keypoint_order";
-  fault.value = order->given;
+  RigFault fault =
+      MakeFault("keypoint_order", "", order->given,
+                "limb proportions differ from a person's by a factor of " + RoundedText(std::exp(order->given), 3) +
+                    " (mean); in the order of " + order->name + " by " + RoundedText(std::exp(order->found), 3));
   fault.confidence = order->confidence;
-  fault.message = "limb proportions differ from a person's by a factor of " + RoundedText(std::exp(order->given), 3) +
-                  " (mean); in the order of " + order->name + " by " + RoundedText(std::exp(order->found), 3);
   return fault;
 }
 
 std::optional<RigFault> WrongUnit(double scale) {
   const auto unit = FindUnit(scale);
   if (!unit) return {};
-  RigFault fault;
-  fault.code = "calibration_unit";
-  fault.value = unit->factor;
+  RigFault fault = MakeFault("calibration_unit", "", unit->factor,
+                             "the calibration looks like " + unit->text + ": the person is " + RoundedText(scale, 3) +
+                                 " times a person's size");
   // Distance of the person's size from the next explanation, a factor of 1.6 at least; sizes of people have a standard
   // deviation of 12 %.
   fault.confidence = std::erf(std::log(1.6) / (0.12 * std::sqrt(2.0)) -
                               std::abs(std::log(scale / unit->factor)) / (0.12 * std::sqrt(2.0)));
   fault.confidence = std::clamp(fault.confidence, 0.0, 1.0);
   fault.confidence_of = ConfidenceOf::kModel;
-  fault.message = "the calibration looks like " + unit->text + ": the person is " + RoundedText(scale, 3) +
-                  " times a person's size";
   return fault;
 }
 
@@ -265,7 +247,9 @@ std::optional<Expected<KeypointTracks>> CheckPerson(const Evidence& evidence, co
                                                     const Skeleton& skeleton, const std::vector<KnownLength>& lengths,
                                                     const KeypointFitOptions& options,
                                                     const std::vector<RigFault>& faults, const TakeStarts& takes) {
-  const std::vector<double> measured = MedianLengthsOfPoints(points, lengths);
+  std::vector<int> frames(static_cast<std::size_t>(points.positions.frames));
+  std::iota(frames.begin(), frames.end(), 0);
+  const std::vector<double> measured = MedianLengths(points.positions, points.confidence, lengths, frames);
   const ShapeMatch shape = CompareShape(measured, lengths);
   const auto again = [&](RigFault fault, const Evidence& corrected) {
     fault.corrected = true;
@@ -313,18 +297,16 @@ bool CorrectLeftRightOfViews(const std::vector<RigView>& rig, const Triangulated
       FindSideExchanges(views, points, names, options.triangulation.noise, options.audit.side_margin);
   const bool corrected = options.audit.sides == AuditAction::kCorrect;
   for (const SideExchange& exchange : exchanges) {
-    RigFault fault;
-    fault.code = "view_swaps_sides";
-    fault.camera = rig[exchange.view].camera.camera.name;
+    const std::string& camera = rig[exchange.view].camera.camera.name;
+    RigFault fault = MakeFault("view_swaps_sides", camera, exchange.margin,
+                               "camera " + camera + " labels left " + exchange.limb + " as right in " +
+                                   Counted(exchange.frame_end - exchange.frame_begin, "frame"));
     fault.limb = exchange.limb;
     fault.frame_begin = exchange.frame_begin;
     fault.frame_end = exchange.frame_end;
-    fault.value = exchange.margin;
     fault.confidence = 1.0 / (1.0 + std::exp(-exchange.margin));
     fault.confidence_of = ConfidenceOf::kModel;
     fault.corrected = corrected;
-    fault.message = "camera " + fault.camera + " labels left " + exchange.limb + " as right in " +
-                    Counted(exchange.frame_end - exchange.frame_begin, "frame");
     faults.push_back(std::move(fault));
   }
   if (!corrected || exchanges.empty()) return false;

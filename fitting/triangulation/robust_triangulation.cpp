@@ -211,23 +211,12 @@ TriangulationView::TriangulationView(const Camera& calibrated)
       rotation(calibrated.camera_from_world.rotation.toRotationMatrix()),
       centre(calibrated.Centre()) {}
 
-ViewRay::ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& pixel, double confidence)
-    : view(&seen_by), index(view_index), weight(confidence) {
-  const Vector3d seen = seen_by.camera.Unproject(pixel, 1.0);
-  normalised = seen.head<2>();
-  direction = (seen_by.rotation.transpose() * seen).normalized();
-}
-
-ViewRay ViewRay::Undistorted(const TriangulationView& seen_by, int view_index, const Vector2d& normalised,
-                             double confidence) {
-  ViewRay ray;
-  ray.view = &seen_by;
-  ray.index = view_index;
-  ray.normalised = normalised;
-  ray.direction = (seen_by.rotation.transpose() * Vector3d(normalised.x(), normalised.y(), 1.0)).normalized();
-  ray.weight = confidence;
-  return ray;
-}
+ViewRay::ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& at_depth_1, double confidence)
+    : view(&seen_by),
+      index(view_index),
+      direction((seen_by.rotation.transpose() * Vector3d(at_depth_1.x(), at_depth_1.y(), 1.0)).normalized()),
+      normalised(at_depth_1),
+      weight(confidence) {}
 
 std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& rays,
                                                    const TriangulationOptions& options) {
@@ -264,12 +253,7 @@ TriangulatedTracks TriangulateViews(const std::vector<ViewKeypoints>& views, int
     for (std::size_t v = 0; v < views.size(); ++v) {
       const double confidence = views[v].confidence[i];
       if (confidence <= 0.0 || confidence < options.min_confidence) continue;
-      const auto index = static_cast<int>(v);
-      if (views[v].normalised.empty()) {
-        rays.emplace_back(prepared[v], index, views[v].pixel[i], confidence);
-      } else {
-        rays.push_back(ViewRay::Undistorted(prepared[v], index, views[v].normalised[i], confidence));
-      }
+      rays.emplace_back(prepared[v], static_cast<int>(v), views[v].normalised[i], confidence);
     }
     const auto point = TriangulateRobust(rays, options);
     if (!point) continue;

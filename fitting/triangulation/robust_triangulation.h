@@ -29,13 +29,8 @@ struct ViewRay {
   Vector2d normalised = Vector2d::Zero();  ///< at depth 1, without lens distortion
   double weight = 1.0;                     ///< confidence: information relative to a detection of confidence 1
 
-  ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& pixel, double confidence);
   /// Of a detection at depth 1 whose lens distortion is undone.
-  static ViewRay Undistorted(const TriangulationView& seen_by, int view_index, const Vector2d& normalised,
-                             double confidence);
-
- private:
-  ViewRay() = default;
+  ViewRay(const TriangulationView& seen_by, int view_index, const Vector2d& at_depth_1, double confidence);
 };
 
 struct TriangulatedPoint {
@@ -54,12 +49,11 @@ struct TriangulatedPoint {
 std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& rays,
                                                    const TriangulationOptions& options);
 
-/// Detections of one person's K keypoints in one camera over F frames; confidence 0: missed, the pixel is not read.
+/// Detections of one person's K keypoints in one camera over F frames; confidence 0: missed, the point is not read.
 struct ViewKeypoints {
   Camera camera;
-  std::vector<Vector2d> pixel;       ///< (F*K); not read where `normalised` is given
   std::vector<double> confidence;    ///< (F*K) in [0, 1]
-  std::vector<Vector2d> normalised;  ///< (F*K) at depth 1 without lens distortion; or empty
+  std::vector<Vector2d> normalised;  ///< (F*K) at depth 1 without lens distortion
 };
 
 /// Agreement of a camera with the others.

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <vector>
 
+#include "fitting/solver/body_information.h"
 #include "fitting/solver/track_equations.h"
 #include "fitting/solver/track_window.h"
 
@@ -26,5 +28,27 @@ struct FrameCovariance {
 /// comes first. `whole` is the whole clip; its state's kinematics are updated. Error kInconsistent if the matrix cannot
 /// be factored.
 Status VisitCovariances(const TrackWindow& whole, const std::function<void(const FrameCovariance&)>& visit);
+
+/// Propagation of the rotations of a frame to the positions below them, with covariance: a point at p, relative to the
+/// root, moves by X(p) times the twist of its carrier, X(p) = [I, -Hat(p)], which sums the translation and every
+/// rotation above. Covariances of positions follow joint by joint, without derivatives by all unknowns.
+class TwistPropagation {
+ public:
+  /// The state's kinematics must be up to date, derivatives included.
+  TwistPropagation(const PoseState& state, const TrackEquations& track, int frame);
+
+  /// Covariance (6 x 6) of the twists of each joint's carrier with those in another frame (or the same), from that of
+  /// the unknowns (n x n, rows of this frame, columns of the other). (J)
+  std::vector<Matrix6d> CovarianceWith(const TwistPropagation& other, const Eigen::MatrixXd& unknowns) const;
+
+  /// X(p) of a joint.
+  Eigen::Matrix<double, 3, 6> PositionDerivative(int joint) const;
+
+ private:
+  const PoseState& state_;
+  const TrackEquations& track_;
+  int frame_;
+  std::vector<Eigen::Matrix<double, 6, 3>> twist_;  ///< of each joint's rotation vector; not set where it has none. (J)
+};
 
 }  // namespace mocurate

@@ -7,7 +7,6 @@
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/rest_sigmas.h"
 #include "fitting/uncertainty/frame_covariances.h"
-#include "fitting/uncertainty/twist_propagation.h"
 
 namespace mocurate {
 namespace {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "fitting/uncertainty/autocorrelated_error.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
-#include "fitting/uncertainty/frame_orientation.h"
-#include "fitting/uncertainty/gap_inflation.h"
 #include "fitting/uncertainty/process_noise_scale.h"
-#include "fitting/uncertainty/twist_propagation.h"
+#include "fitting/uncertainty/variance_inflation.h"
 
 namespace mocurate {
 namespace {

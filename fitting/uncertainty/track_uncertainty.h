@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/motion/motion.h"
+#include "fitting/costs/pose_gaussian.h"
 #include "fitting/solver/track_window.h"
-#include "fitting/uncertainty/pose_covariance.h"
 
 namespace mocurate {
 

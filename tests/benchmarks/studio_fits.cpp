@@ -17,7 +17,6 @@
 #include "core/motion/kinematics.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/evidence/motion_tracks.h"
-#include "fitting/evidence/tracker_points.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "ingest/synthetic/body_points.h"

@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
       const bool off = (c - first + cameras) % cameras < wrong;
       const double angle = random.Uniform(0.0, 6.28);
       if (off) pixel += 400.0 * Vector2d(std::cos(angle), std::sin(angle));
-      views[c].pixel.push_back(pixel);
+      views[c].normalised.emplace_back(views[c].camera.Unproject(pixel, 1.0).head<2>());
       views[c].confidence.push_back(1.0);
     }
   }

@@ -12,7 +12,7 @@
 #include "core/base/file.h"
 #include "core/base/random.h"
 #include "core/motion/clip.h"
-#include "fitting/clouds/depth_image.h"
+#include "fitting/clouds/depth_fusion.h"
 #include "tests/support/depth_files.h"
 
 namespace mocurate {

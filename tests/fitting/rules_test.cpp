@@ -7,9 +7,8 @@
 #include <set>
 
 #include "core/base/config.h"
-#include "fitting/clouds/cloud_body.h"
 #include "fitting/clouds/cloud_equations.h"
-#include "fitting/clouds/frame_finding.h"
+#include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/options.h"
 #include "fitting/solver/joint_track_fit.h"
 #include "tests/fitting/takes.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fitting/clouds/depth_fusion.h"
+#include "tests/fitting/back_project.h"
 
 namespace mocurate {
 

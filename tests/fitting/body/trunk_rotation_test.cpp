@@ -1,4 +1,4 @@
-#include "fitting/solver/trunk_direction.h"
+#include "fitting/solver/rest_directions.h"
 
 #include <gtest/gtest.h>
 

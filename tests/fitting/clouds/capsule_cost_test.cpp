@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/random.h"
-#include "fitting/clouds/capsule_distance_cost.h"
+#include "fitting/clouds/cloud_problem.h"
 
 namespace mocurate {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "fitting/clouds/cloud_body.h"
+#include "fitting/clouds/cloud_uncertainty.h"
 
 namespace mocurate {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 TEST(BodyRotations, AreErrorsOfBoneEndsOverBoneLengths) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   const std::vector<double> length = skeleton->RestBoneLengths();
-  const std::vector<Vector3d> variance = BodyRotations(*skeleton, length, std::vector<double>(24, 0.01));
+  const std::vector<Vector3d> variance = BodyRotations(*skeleton, length, std::vector<double>(24, 0.01), {});
   const int knee = *skeleton->FindJoint("left_knee"), ankle = *skeleton->FindJoint("left_ankle");
   const double across = std::sqrt(2.0) * 0.01 / length[static_cast<std::size_t>(ankle)];
   EXPECT_NEAR(std::sqrt(variance[static_cast<std::size_t>(knee)].x()), across, 1e-9);

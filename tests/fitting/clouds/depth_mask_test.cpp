@@ -6,6 +6,7 @@
 
 #include "core/base/sha256.h"
 #include "fitting/clouds/depth_fusion.h"
+#include "tests/fitting/back_project.h"
 #include "tests/fitting/cloud_scene.h"
 #include "tests/support/depth_files.h"
 #include "tests/support/scratch_folder.h"

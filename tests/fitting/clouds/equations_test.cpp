@@ -43,7 +43,7 @@ class Cloud : public testing::Test {
 
   FrameTerms Terms(const std::vector<FixedNeighbourFrame>& neighbours,
                    const std::vector<JointObservation>& joints = {}) {
-    const double share = PatchShare(options_.voxel_size);
+    const double share = PatchShare(options_);
     return {1, cloud_, matches_, share / kSigma, share * options_.huber_sigmas, neighbours, joints};
   }
 

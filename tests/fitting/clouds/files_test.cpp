@@ -17,6 +17,7 @@
 #include "fitting/stages.h"
 #include "ingest/discover.h"
 #include "ingest/stages.h"
+#include "tests/fitting/back_project.h"
 #include "tests/fitting/cloud_takes.h"
 #include "tests/fitting/fit_score.h"
 #include "tests/support/cloud_writers.h"

@@ -10,7 +10,7 @@
 #include "core/base/file.h"
 #include "core/base/sha256.h"
 #include "core/store/store.h"
-#include "fitting/clouds/depth_image.h"
+#include "fitting/clouds/depth_fusion.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"

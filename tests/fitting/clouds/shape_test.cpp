@@ -14,7 +14,7 @@
 #include "core/body/skinned_body.h"
 #include "core/store/body_file.h"
 #include "core/store/store.h"
-#include "fitting/clouds/cloud_body.h"
+#include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/proportions.h"
 #include "fitting/stages.h"
 #include "tests/fitting/cloud_scene.h"

@@ -5,7 +5,7 @@
 
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_rig_audit.h"
-#include "fitting/clouds/depth_image.h"
+#include "fitting/clouds/depth_fusion.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "tests/fitting/cloud_scene.h"
 

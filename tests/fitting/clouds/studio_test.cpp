@@ -6,8 +6,8 @@
 
 #include "fitting/clouds/cloud_proportions.h"
 #include "fitting/clouds/cloud_tracking.h"
+#include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/fit_clouds.h"
-#include "fitting/clouds/frame_finding.h"
 #include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
@@ -207,13 +207,13 @@ TEST_F(StudioClouds, OneSideIsLessCertainAndAFlatOneHasLowCoverage) {
   const std::vector<FusedCloud> all = *FuseClip(clip, options_);
   clip.evidence.depth_views.resize(1);
   std::vector<FusedCloud> one = *FuseClip(clip, options_);
-  EXPECT_LT(LowCoverageSigma(all[0], options_.voxel_size, 1.0), 0.001);
-  EXPECT_GT(LowCoverageSigma(one[0], options_.voxel_size, 1.0), 0.002);
-  EXPECT_EQ(LowCoverageSigma(FusedCloud{}, options_.voxel_size, 1.0), 0.0);
+  EXPECT_LT(LowCoverageSigma(all[0], options_, 1.0), 0.001);
+  EXPECT_GT(LowCoverageSigma(one[0], options_, 1.0), 0.002);
+  EXPECT_EQ(LowCoverageSigma(FusedCloud{}, options_, 1.0), 0.0);
   FusedCloud part = all[0];
   part.points = part.points.leftCols(200).eval();
   part.normals = part.normals.leftCols(200).eval();
-  EXPECT_GT(LowCoverageSigma(part, options_.voxel_size, 1.0), kUnobservedError);
+  EXPECT_GT(LowCoverageSigma(part, options_, 1.0), kUnobservedError);
   const auto of_all = fit_of(all), of_one = fit_of(one);
   ASSERT_TRUE(of_all && of_one);
   EXPECT_FALSE(is_low_coverage(*of_all) || is_low_coverage(*of_one));

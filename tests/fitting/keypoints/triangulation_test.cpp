@@ -59,7 +59,7 @@ ObservedPoint ObservePoint(int cameras, double sigma, const std::vector<int>& wr
       const double angle = random.Uniform(0.0, 6.28);
       pixel += random.Uniform(200, 400) * Vector2d(std::cos(angle), std::sin(angle));
     }
-    scene.rays.emplace_back(scene.views[i], i, pixel, 1.0);
+    scene.rays.emplace_back(scene.views[i], i, scene.views[i].camera.Unproject(pixel, 1.0).head<2>(), 1.0);
   }
   return scene;
 }
@@ -153,7 +153,7 @@ std::vector<ViewKeypoints> ReadTrial(const std::filesystem::path& rig, const std
           std::max_element(frame->people.begin(), frame->people.end(),
                            [&](const auto& a, const auto& b) { return confidence(a) < confidence(b); });
       for (const DetectedKeypoint& point : subject->pose) {
-        view.pixel.emplace_back(point.u_px, point.v_px);
+        view.normalised.emplace_back(view.camera.Unproject(Vector2d(point.u_px, point.v_px), 1.0).head<2>());
         view.confidence.push_back(point.confidence);
       }
     }

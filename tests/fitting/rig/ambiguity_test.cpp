@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/base/random.h"
-#include "fitting/audit/confidence.h"
+#include "fitting/audit/rig_fault.h"
 #include "fitting/triangulation/keypoint_tracks.h"
 #include "tests/fitting/keypoint_faults.h"
 #include "tests/fitting/keypoint_takes.h"

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "fitting/evidence/noise.h"
-#include "fitting/evidence/outliers.h"
 #include "fitting/solver/bone_lengths.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"

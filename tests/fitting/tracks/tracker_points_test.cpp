@@ -1,4 +1,3 @@
-#include "fitting/evidence/tracker_points.h"
 
 #include <gtest/gtest.h>
 

@@ -12,9 +12,9 @@
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/track_problem.h"
-#include "fitting/uncertainty/frame_orientation.h"
-#include "fitting/uncertainty/gap_inflation.h"
+#include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/process_noise_scale.h"
+#include "fitting/uncertainty/variance_inflation.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
