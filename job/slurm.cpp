@@ -94,11 +94,8 @@ std::vector<QueuedJob> ParseQueue(std::string_view text) {
     const std::vector<std::string_view> cells = SplitText(Trim(line), '|');
     if (cells.size() < 5 || cells[0].empty() || cells[0].front() < '0' || cells[0].front() > '9') continue;
     QueuedJob job;
-    const std::size_t under = cells[0].find('_');
-    job.id = std::string(cells[0].substr(0, under));
-    if (under != std::string_view::npos) job.task = std::string(cells[0].substr(under + 1));
+    job.id = std::string(cells[0].substr(0, cells[0].find('_')));
     job.state = std::string(cells[1]);
-    job.node = std::string(cells[3]);
     job.reason = std::string(cells[4]);
     jobs.push_back(std::move(job));
   }

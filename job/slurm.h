@@ -23,9 +23,7 @@ SlurmLimits ParseSlurmLimits(std::string_view text);
 /// A line of squeue -h -r -o "%i|%T|%M|%N|%r": a job, or a task of an array.
 struct QueuedJob {
   std::string id;     ///< without the task
-  std::string task;   ///< of an array; empty: none
   std::string state;  ///< PENDING, RUNNING, ...
-  std::string node;
   std::string reason;
 };
 std::vector<QueuedJob> ParseQueue(std::string_view text);

@@ -325,7 +325,7 @@ Status SlurmRun::Verify(const SubmittedJob& array) const {
   const StageDeclaration stage = StageNamed(array.stage)->declaration();
   if (plan->head().stage != stage.name || plan->head().stage_version != stage.version) return {};  // planned again
   const Cache cache(settings_.cache);
-  const std::vector<TaskReport> tasks = Tasks(array, std::nullopt);
+  const std::vector<TaskReport> tasks = Tasks(array, false);
   std::vector<std::string> doubtful;  // keys
   const auto whole = [&cache](const std::string& key) {
     const std::optional<Cache::Entry> entry = cache.Find(key);
@@ -442,13 +442,7 @@ Expected<SubmittedJob> SlurmRun::Next(const LoadedJob& job) const {
   }
 }
 
-std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, const std::optional<std::string>& queue) const {
-  std::set<std::string> queued;
-  if (queue) {
-    for (const QueuedJob& job : ParseQueue(*queue)) {
-      if (job.id == array.id) queued.insert(job.task);
-    }
-  }
+std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, bool array_ended) const {
   std::vector<TaskReport> tasks(array.tasks);
   const fs::path folder = folder_ / "plan" / array.stage;
   std::error_code none;
@@ -484,7 +478,7 @@ std::vector<TaskReport> SlurmRun::Tasks(const SubmittedJob& array, const std::op
       task.state = task.exit_code == 0 ? TaskState::kDone : TaskState::kFailed;
     } else if (begun) {
       task.state = TaskClaim::Held(folder / (name + ".claim")) ? TaskState::kRunning : TaskState::kLost;
-    } else if (queue && queued.count(name) == 0) {
+    } else if (array_ended) {
       task.state = TaskState::kLost;
     }
   }

@@ -88,8 +88,8 @@ class SlurmRun {
   /// process does the same.
   Expected<SubmittedJob> Next(const LoadedJob& job) const;
 
-  /// The tasks of an array. `queue`: lines of AskQueue; absent: not asked.
-  std::vector<TaskReport> Tasks(const SubmittedJob& array, const std::optional<std::string>& queue) const;
+  /// The tasks of an array. `array_ended`: so that tasks which have not begun are lost.
+  std::vector<TaskReport> Tasks(const SubmittedJob& array, bool array_ended) const;
   /// The queue's lines about jobs of this run; asked once a minute, by all processes together, else those of before.
   Expected<std::string> Queue() const;
   /// Where a job writes: RUN/slurm/logs.

@@ -32,19 +32,9 @@ constexpr std::size_t kLogLines = 5;
 constexpr std::size_t kMostFailed = 20;  ///< tasks of an array whose logs are shown
 constexpr double kSparing = 4.0;         ///< asked memory or time above this many times the used is worth a word
 
-struct Counts {
-  std::size_t waiting = 0, running = 0, done = 0, failed = 0, lost = 0;
-};
-
-Counts CountsOf(const std::vector<TaskReport>& tasks) {
-  Counts counts;
-  for (const TaskReport& task : tasks) {
-    counts.waiting += task.state == TaskState::kWaiting ? 1 : 0;
-    counts.running += task.state == TaskState::kRunning ? 1 : 0;
-    counts.done += task.state == TaskState::kDone ? 1 : 0;
-    counts.failed += task.state == TaskState::kFailed ? 1 : 0;
-    counts.lost += task.state == TaskState::kLost ? 1 : 0;
-  }
+std::map<TaskState, std::size_t> CountsOf(const std::vector<TaskReport>& tasks) {
+  std::map<TaskState, std::size_t> counts;
+  for (const TaskReport& task : tasks) ++counts[task.state];
   return counts;
 }
 
@@ -117,7 +107,6 @@ class Follower {
         LogWarning(queue.error().Message());
       }
       const std::string active = queue ? ActiveIds(*queue) : std::string();
-      const std::optional<std::string> lines = queue ? std::optional<std::string>(*queue) : std::nullopt;
       const bool awaits_array = for_array && !jobs.empty() && jobs.back().kind == SlurmKind::kArray;
       std::size_t tasks = 0;
       if (!jobs.empty() && jobs.back().kind == SlurmKind::kArray) tasks = jobs.back().tasks;
@@ -126,13 +115,13 @@ class Follower {
         if (job->kind != SlurmKind::kArray) continue;
         tasks = job->tasks;
         // The queue may be a minute older than the array.
-        const Counts counts = CountsOf(run_.Tasks(*job, std::nullopt));
-        Say(job->stage + ": " + std::to_string(counts.done) + " of " +
-            Counted(static_cast<long long>(job->tasks), "task") + " done, " + std::to_string(counts.running) +
-            " running" +
-            (counts.failed + counts.lost > 0 ? ", " + std::to_string(counts.failed + counts.lost) + " failed"
-                                             : std::string()));
-        const bool ended = counts.waiting + counts.running == 0;
+        auto counts = CountsOf(run_.Tasks(*job, false));
+        const std::size_t running = counts[TaskState::kRunning];
+        const std::size_t failed = counts[TaskState::kFailed] + counts[TaskState::kLost];
+        Say(job->stage + ": " + std::to_string(counts[TaskState::kDone]) + " of " +
+            Counted(static_cast<long long>(job->tasks), "task") + " done, " + std::to_string(running) + " running" +
+            (failed > 0 ? ", " + std::to_string(failed) + " failed" : std::string()));
+        const bool ended = counts[TaskState::kWaiting] + running == 0;
         if (awaits_array && (ended || (queue && Gone(active)))) return true;
         break;
       }
@@ -178,54 +167,57 @@ class Follower {
   std::optional<std::chrono::steady_clock::time_point> gone_since_;
 };
 
+/// The most that any task used.
+struct Use {
+  double seconds = 0.0, bytes = 0.0;
+};
+
+Use UseOf(const std::vector<TaskReport>& tasks) {
+  Use use;
+  for (const TaskReport& task : tasks) {
+    use = {std::max(use.seconds, task.seconds), std::max(use.bytes, task.memory_bytes)};
+  }
+  return use;
+}
+
 nlohmann::json JobJson(const SubmittedJob& job, const std::vector<TaskReport>& tasks) {
   nlohmann::json value = {{"job", job.id}, {"stage", TitleOf(job)}, {"cores", job.cores}};
   if (job.time_s) value["asked_s"] = *job.time_s;
   if (job.memory_bytes) value["asked_bytes"] = *job.memory_bytes;
   if (job.kind != SlurmKind::kArray) return value;
-  const Counts counts = CountsOf(tasks);
+  auto counts = CountsOf(tasks);
+  const Use use = UseOf(tasks);
   value.update({{"tasks", job.tasks},
                 {"items", job.items},
-                {"waiting", counts.waiting},
-                {"running", counts.running},
-                {"done", counts.done},
-                {"failed", counts.failed},
-                {"lost", counts.lost}});
-  double seconds = 0.0, bytes = 0.0;
-  for (const TaskReport& task : tasks) {
-    seconds = std::max(seconds, task.seconds);
-    bytes = std::max(bytes, task.memory_bytes);
-  }
-  value["used_s"] = seconds;
-  value["used_bytes"] = bytes;
+                {"waiting", counts[TaskState::kWaiting]},
+                {"running", counts[TaskState::kRunning]},
+                {"done", counts[TaskState::kDone]},
+                {"failed", counts[TaskState::kFailed]},
+                {"lost", counts[TaskState::kLost]},
+                {"used_s", use.seconds},
+                {"used_bytes", use.bytes}});
   return value;
 }
-
-/// The most that any task of the run used.
-struct Use {
-  double seconds = 0.0, bytes = 0.0;
-};
 
 /// What a stage's tasks used, and how many of them there should be.
 void PrintUse(const SlurmRun& run, const SubmittedJob& job, const std::vector<TaskReport>& tasks, double wished_s,
               Use& most) {
-  double longest = 0.0, bytes = 0.0, whole = 0.0;
+  const Use use = UseOf(tasks);
+  double whole = 0.0;
   std::size_t measured = 0;
   for (const TaskReport& task : tasks) {
-    longest = std::max(longest, task.seconds);
-    bytes = std::max(bytes, task.memory_bytes);
     whole += task.seconds;
     measured += task.seconds > 0.0 ? 1 : 0;
   }
   if (measured > 0) {
     Print("  %s: asked %s, %s; used at most %s, %s\n", job.stage.c_str(),
           job.time_s ? MinutesText(*job.time_s).c_str() : "no time",
-          job.memory_bytes ? MegabytesText(*job.memory_bytes).c_str() : "no memory", MinutesText(longest).c_str(),
-          MegabytesText(bytes).c_str());
+          job.memory_bytes ? MegabytesText(*job.memory_bytes).c_str() : "no memory", MinutesText(use.seconds).c_str(),
+          MegabytesText(use.bytes).c_str());
     const auto fitting = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / wished_s)));
     if (measured == tasks.size() && job.tasks > 1 && (fitting * 2 < job.tasks || fitting > job.tasks * 2))
       Print("    tasks of %s would be %zu, not %zu\n", MinutesText(wished_s).c_str(), fitting, job.tasks);
-    most = {std::max(most.seconds, longest), std::max(most.bytes, bytes)};
+    most = {std::max(most.seconds, use.seconds), std::max(most.bytes, use.bytes)};
   }
   std::size_t failed = 0;
   for (std::size_t k = 0; k < tasks.size(); ++k) {
@@ -253,18 +245,16 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
   const std::vector<SubmittedJob> jobs = run.Jobs();
   const Expected<std::string> queue = run.Queue();
   if (!queue) LogWarning(queue.error().Message());
-  const std::optional<std::string> lines = queue ? std::optional<std::string>(*queue) : std::nullopt;
   const std::optional<SlurmOutcome> outcome = run.Outcome();
-  const std::string active = lines && !outcome ? ActiveIds(*lines) : std::string();
+  const std::string active = queue && !outcome ? ActiveIds(*queue) : std::string();
   nlohmann::json shown = nlohmann::json::array();
   if (!common.json)
     Print("%-14s %10s %7s %7s %7s %8s %8s %7s\n", "stage", "job", "items", "tasks", "done", "running", "waiting",
           "failed");
   const auto tasks_of = [&](const SubmittedJob& job) {
     if (job.kind != SlurmKind::kArray) return std::vector<TaskReport>();
-    const bool ended = outcome || (&job != &jobs.back() && &job != &jobs[jobs.size() - 2]);
-    // The answer of the queue may be older than the last array.
-    return run.Tasks(job, ended ? std::optional<std::string>(std::string()) : std::nullopt);
+    // The last array may have tasks that wait.
+    return run.Tasks(job, outcome || (&job != &jobs.back() && &job != &jobs[jobs.size() - 2]));
   };
   for (const SubmittedJob& job : jobs) {
     const std::vector<TaskReport> tasks = tasks_of(job);
@@ -273,15 +263,16 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
       continue;
     }
     if (job.kind == SlurmKind::kArray) {
-      const Counts counts = CountsOf(tasks);
+      auto counts = CountsOf(tasks);
       Print("%-14s %10s %7zu %7zu %7zu %8zu %8zu %7zu\n", job.stage.c_str(), job.id.c_str(), job.items, job.tasks,
-            counts.done, counts.running, counts.waiting, counts.failed + counts.lost);
+            counts[TaskState::kDone], counts[TaskState::kRunning], counts[TaskState::kWaiting],
+            counts[TaskState::kFailed] + counts[TaskState::kLost]);
     } else if (&job == &jobs.back()) {
       Print("%-14s %10s\n", TitleOf(job).c_str(), job.id.c_str());
     }
   }
   nlohmann::json value = {{"run", DisplayPath(run.folder())}, {"jobs", shown}, {"queued", nullptr}};
-  if (lines) value["queued"] = active;
+  if (queue) value["queued"] = active;
   if (outcome) value["outcome"] = {{"exit_code", outcome->exit_code}, {"message", outcome->message}};
   if (!AnswersInText(common, value)) return {};
   Use most;
@@ -293,9 +284,9 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
     time_s = job.time_s;
   }
   PrintSuggestions(memory_bytes, time_s, most);
-  if (lines && !outcome) {
+  if (queue && !outcome) {
     std::map<std::string, std::size_t> reasons;
-    for (const QueuedJob& job : ParseQueue(*lines)) {
+    for (const QueuedJob& job : ParseQueue(*queue)) {
       if (job.state == "PENDING" && job.reason != "None" && job.reason != "Dependency") ++reasons[job.reason];
     }
     for (const auto& [reason, count] : reasons) Print("  %zu waiting for: %s\n", count, reason.c_str());
@@ -304,7 +295,7 @@ Status ShowJobs(CommonArguments& common, const SlurmRun& run) {
     Print("the run has ended%s\n", outcome->exit_code == 0 ? "" : (": " + outcome->message).c_str());
   } else if (!active.empty()) {
     Print("queued: %s; to cancel: scancel %s\n", active.c_str(), active.c_str());
-  } else if (lines) {
+  } else if (queue) {
     Print("no job is queued; to go on: mocurate run with the same arguments\n");
   }
   if (!jobs.empty() && !outcome && jobs.back().kind != SlurmKind::kArray) {
