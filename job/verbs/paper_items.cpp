@@ -1,4 +1,4 @@
-#include "job/verbs/paper_items.h"
+#include "job/verbs/reproduce.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,12 +12,11 @@
 namespace mocurate {
 namespace {
 
-nlohmann::json HoursOf(double hours) { return hours > 0.0 ? nlohmann::json(hours) : nlohmann::json(); }
-
-}  // namespace
-
 namespace fs = std::filesystem;
 
+nlohmann::json HoursOf(double hours) { return hours > 0.0 ? nlohmann::json(hours) : nlohmann::json(); }
+
+/// A file below the folder MOCURATE_WEIGHTS; empty without the variable or the file.
 fs::path PublishedFile(const fs::path& name) {
   const char* folder = std::getenv("MOCURATE_WEIGHTS");
   if (folder == nullptr || *folder == '\0' || name.empty()) return {};
@@ -25,6 +24,8 @@ fs::path PublishedFile(const fs::path& name) {
   const fs::path file = fs::path(folder) / name;
   return fs::is_regular_file(file, unknown) ? file : fs::path();
 }
+
+}  // namespace
 
 Expected<nlohmann::json> ReleasedRows(const ReproduceOptions& item, const std::string& set, const fs::path& folder,
                                       const CommonArguments& common) {
@@ -58,22 +59,6 @@ Expected<nlohmann::json> ReleasedRows(const ReproduceOptions& item, const std::s
   return rows;
 }
 
-const char* Name(PaperItem kind) {
-  switch (kind) {
-    case PaperItem::kTable:
-      return "table";
-    case PaperItem::kFigure:
-      return "figure";
-    case PaperItem::kStudy:
-      return "study";
-    case PaperItem::kDiagram:
-      return "diagram";
-    case PaperItem::kNone:
-      break;
-  }
-  return "none";
-}
-
 Expected<LoadedJob> LoadPaperItem(const std::string& id, const std::string& profile,
                                   const std::vector<std::string>& assignments) {
   const auto source = NamedJob("papers/" + id);
@@ -90,15 +75,6 @@ Expected<LoadedJob> LoadPaperItem(const std::string& id, const std::string& prof
   std::vector<std::string> all = assignments;
   if (!profile.empty()) all.insert(all.begin(), "profile=" + profile);
   return LoadJob(*source, all);
-}
-
-Expected<JobOptions> ReadPaperItem(const std::string& id) {
-  const auto source = NamedJob("papers/" + id);
-  if (!source)
-    return Fail(ErrorCode::kUsage, "there is no item with that name", id, "`mocurate reproduce list` names all");
-  const auto node = LoadConfig(*source);
-  if (!node) return Forward(node);
-  return OptionsFromConfig<JobOptions>(*node);
 }
 
 Status TakeData(const std::vector<std::string>& given, JobOptions& options) {
@@ -160,7 +136,7 @@ nlohmann::json DescribePaperItem(const std::string& id, const JobOptions& option
     break;
   }
   return {{"id", id},
-          {"kind", Name(item.kind)},
+          {"kind", OptionsToJson(item).at("kind")},
           {"shows", item.shows},
           {"at_hand", std::move(at_hand)},
           {"missing", std::move(missing)},

@@ -1,4 +1,4 @@
-#include "job/verbs/paper_pictures.h"
+#include "job/verbs/reproduce.h"
 
 #include <algorithm>
 #include <cctype>

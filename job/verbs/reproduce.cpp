@@ -19,9 +19,7 @@
 #include "job/run_file.h"
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"
-#include "job/verbs/paper_items.h"
-#include "job/verbs/paper_pictures.h"
-#include "job/verbs/time_budget.h"
+#include "job/verbs/reproduce.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {
@@ -39,7 +37,9 @@ Status ListItems(CommonArguments& common, const ReproduceArguments& arguments) {
   std::set<std::string> known, given_sets;
   for (const std::string& text : arguments.data) given_sets.insert(text.substr(0, text.find('=')));
   for (const std::string& id : PaperIds()) {
-    auto options = ReadPaperItem(id);
+    const auto node = LoadConfig(*NamedJob("papers/" + id));  // files of its networks are not searched
+    if (!node) return Forward(node);
+    auto options = OptionsFromConfig<JobOptions>(*node);
     if (!options) return Forward(options);
     for (const DataSetOptions& set : options->data) known.insert(set.name);
     std::vector<std::string> of_job;  // the set is none of the other items
@@ -149,7 +149,7 @@ class Reproduction {
         folder_(std::move(folder)),
         name_(arguments.id.substr(arguments.id.find('/') + 1)),
         json_({{"id", arguments.id},
-               {"kind", Name(item().kind)},
+               {"kind", OptionsToJson(item()).at("kind")},
                {"profile", profile()},
                {"shows", item().shows},
                {"conclusion", item().conclusion},

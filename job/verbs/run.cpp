@@ -18,7 +18,7 @@
 #include "job/run_folder.h"
 #include "job/slurm_run.h"
 #include "job/verbs/inputs_and_outputs.h"
-#include "job/verbs/paper_items.h"
+#include "job/verbs/reproduce.h"
 #include "job/verbs/verbs.h"
 
 namespace mocurate {

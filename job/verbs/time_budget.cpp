@@ -1,4 +1,4 @@
-#include "job/verbs/time_budget.h"
+#include "job/verbs/reproduce.h"
 
 #include <algorithm>
 #include <cmath>
