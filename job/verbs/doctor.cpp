@@ -1,6 +1,5 @@
 #include <dlfcn.h>
 #include <sys/statvfs.h>
-#include <unistd.h>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +14,7 @@
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "core/pipeline/runner.h"
+#include "core/pipeline/stage_run.h"
 #include "ingest/expected_files.h"
 #include "job/job_options.h"
 #include "job/machine.h"
@@ -86,25 +85,22 @@ Check CheckBlas() {
 }
 
 Check CheckWorker(const std::string& name, const std::string& does) {
-  std::error_code ignored;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const std::filesystem::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
-    const std::filesystem::path program = folder / name;
-    if (access(program.c_str(), X_OK) != 0) continue;
-    const ProgramAnswer answer = RunAndCapture(program, {"--version"});
-    const std::string said = LastLine(answer.text);  // where a library is missing, the linker names it
-    Check check{name, answer.exit_status == 0 && said == CreatedBy(), DisplayPath(program), ""};
-    if (answer.exit_status != 0) {
-      check.found += " does not start: " + said;
-      check.advice = does + " needs it: scripts/install.sh installs its libraries (docs/dependencies.md)";
-    } else if (!check.ok) {
-      check.found += " is " + said + ", this program is " + std::string(CreatedBy());
-      check.advice = "build and install both programs together";
-    }
-    return check;
+  const auto program = FindWorkerProgram(RunnerOptions(), name);
+  if (!program) {
+    return {name, false, "not found beside mocurate",
+            does + " needs it: build the slice that contains it (MOCURATE_SLICE=all)"};
   }
-  return {name, false, "not found beside mocurate",
-          does + " needs it: build the slice that contains it (MOCURATE_SLICE=all)"};
+  const ProgramAnswer answer = RunAndCapture(*program, {"--version"});
+  const std::string said = LastLine(answer.text);  // where a library is missing, the linker names it
+  Check check{name, answer.exit_status == 0 && said == CreatedBy(), DisplayPath(*program), ""};
+  if (answer.exit_status != 0) {
+    check.found += " does not start: " + said;
+    check.advice = does + " needs it: scripts/install.sh installs its libraries (docs/dependencies.md)";
+  } else if (!check.ok) {
+    check.found += " is " + said + ", this program is " + std::string(CreatedBy());
+    check.advice = "build and install both programs together";
+  }
+  return check;
 }
 
 Check CheckThreads() {

@@ -1,4 +1,3 @@
-#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -11,6 +10,7 @@
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "core/pipeline/stage_run.h"
 #include "ingest/inspect/inspect.h"
 #include "job/config_loading.h"
 #include "job/named_configs.h"
@@ -27,15 +27,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kAtOnce = 100;  // files per process
 constexpr double kLongest_s = 60.0;   // per file
 constexpr const char* kProgram = "mocurate-video";
-
-fs::path Program() {
-  std::error_code ignored;
-  const fs::path self = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& folder : {self, self.parent_path() / "libexec" / "mocurate"}) {
-    if (access((folder / kProgram).c_str(), X_OK) == 0) return folder / kProgram;
-  }
-  return {};
-}
 
 /// Throws what GuardJson takes.
 Expected<VideoFacts> VideoFactsOf(const nlohmann::json& line, const fs::path& file) {
@@ -67,7 +58,9 @@ void TakeAnswers(const std::string& text, const std::vector<std::size_t>& asked,
   }
 }
 
-std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
+/// Runs the program mocurate-video beside this one. Error kMissingOnHost if it is missing or does not start. A file
+/// that crashes it, or has no answer within 60 s, is kMalformed; the others are requested again.
+std::vector<Expected<VideoFacts>> AskVideoProgram(const std::vector<fs::path>& files) {
   std::vector<Answer> answers(files.size());
   const auto unanswered = [&](std::size_t most) {
     std::vector<std::size_t> found;
@@ -76,13 +69,13 @@ std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
     }
     return found;
   };
-  const fs::path program = Program();
-  while (!program.empty()) {
+  const auto program = FindWorkerProgram(RunnerOptions(), kProgram);
+  while (program) {
     const std::vector<std::size_t> asked = unanswered(kAtOnce);
     if (asked.empty()) break;
     std::vector<std::string> arguments;
     for (const std::size_t i : asked) arguments.push_back(fs::absolute(files[i]).native());
-    const ProgramAnswer answer = RunAndCapture(program, arguments, CaptureOptions{false, kLongest_s});
+    const ProgramAnswer answer = RunAndCapture(*program, arguments, CaptureOptions{false, kLongest_s});
     TakeAnswers(answer.text, asked, files, answers);
     const auto silent = std::find_if(asked.begin(), asked.end(), [&](std::size_t i) { return !answers[i]; });
     if (silent == asked.end()) continue;
@@ -104,10 +97,6 @@ std::vector<Expected<VideoFacts>> Ask(const std::vector<fs::path>& files) {
   }
   return facts;
 }
-
-/// Runs the program mocurate-video beside this one. Error kMissingOnHost if it is missing or does not start. A file
-/// that crashes it, or has no answer within 60 s, is kMalformed; the others are requested again.
-VideoProbe AskVideoProgram() { return Ask; }
 
 /// Logs the progress of a large folder on stderr.
 InspectProgress PrintProgress() {
@@ -182,12 +171,8 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     source = *std::move(declared);
   }
   const InspectProgress progress = common.quiet ? InspectProgress() : PrintProgress();
-  const Inspection inspection = InspectPath(arguments.path, source, AskVideoProgram(), progress);
-  common.answered = common.json;
-  if (common.json)
-    PrintJson(inspection);
-  else
-    Print("%s", InspectionText(inspection).c_str());
+  const Inspection inspection = InspectPath(arguments.path, source, AskVideoProgram, progress);
+  if (AnswersInText(common, inspection)) Print("%s", InspectionText(inspection).c_str());
   return FirstError(inspection);
 }
 
