@@ -23,7 +23,6 @@
 #include "job/curation_log.h"
 #include "job/job_checks.h"
 #include "job/job_items.h"
-#include "job/network_rows.h"
 #include "job/network_scores.h"
 #include "job/report_run.h"
 #include "job/run_folder.h"
@@ -375,8 +374,8 @@ class MainJob {
     if (const std::string recogniser = RecogniserOf(options_); !recogniser.empty()) {
       result_.metrics["notes"].push_back("Features by " + recogniser + ".");
     }
-    AddTraining({networks_, options_.train, result_.training, JournalOf(folder(), TrainDeclaration().name)},
-                options_.evaluate.settled, result_.metrics["rows"]);
+    AddTraining(networks_, options_, result_.training, JournalOf(folder(), TrainDeclaration().name),
+                result_.metrics["rows"]);
     return WriteMetrics();
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -46,5 +47,14 @@ struct GeneratorScores {
 /// recogniser, or where the options exclude generators.
 Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
                                           const ItemResult& dataset, StageRuns& runs);
+
+/// Adds to each row of a network `ours`: {"metrics", "checkpoint": sha256, "steps", "parameters", "seconds",
+/// "peak_memory", "unconverged"}. Null: unknown, such as the seconds of a network from another run's cache.
+/// `summaries`: of the stage `train`, by item; `journal`: entries of the run's journal, by item. `unconverged` is the
+/// reason why a network is not converged: a limit or budget ended it, or its FID changed by more than the share
+/// evaluate.settled since its last sample. Such a row has the same text under its own key `unconverged`.
+void AddTraining(const std::vector<TrainedNetwork>& networks, const JobOptions& options,
+                 const nlohmann::json& summaries, const std::map<std::string, nlohmann::json>& journal,
+                 nlohmann::json& rows);
 
 }  // namespace mocurate
