@@ -159,36 +159,34 @@ struct CollectedTable {
       {"rows", nlohmann::json::array()}, {"published", nlohmann::json::array()}, {"notes", nlohmann::json::array()}};
 
   /// Adds the rows of a set from `folder`; nothing where its run wrote no table there.
-  void Add(const SetResult& set, const std::filesystem::path& folder);
+  void Add(const SetResult& set, const std::filesystem::path& folder) {
+    const std::string file = name + ".json";
+    const std::vector<fs::path>& written = set.result.tables;
+    const bool there =
+        std::any_of(written.begin(), written.end(), [&](const fs::path& table) { return table.filename() == file; });
+    const nlohmann::json own = there ? ReadJson(folder / file).value_or(nullptr) : nlohmann::json();
+    if (!own.is_object()) {  // not scored, or a dry run
+      if (name == "table") markdown += HeadOf(set) + "\n";
+      return;
+    }
+    for (const nlohmann::json& row : own.at("rows")) {
+      json["rows"].push_back({{"method", row.at("name")},
+                              {"dataset", set.set.name},
+                              {"substitute", set.substitute ? nlohmann::json(set.set.substitute) : nlohmann::json()},
+                              {"ours", row.value("ours", nlohmann::json::object())}});
+    }
+    for (const nlohmann::json& value : own.at("published")) json["published"].push_back(value);
+    const std::pair<const char*, std::string*> parts[] = {{".csv", &csv}, {".tex", &latex}, {".md", &markdown}};
+    for (const auto& [ending, all] : parts) {
+      const auto part = ReadFile(folder / (name + ending));
+      if (!part) continue;
+      const std::string head = all == &csv     ? "# " + set.set.name + "\n"
+                               : all == &latex ? "% " + set.set.name + "\n"
+                                               : HeadOf(set);
+      *all += head + *part + "\n";
+    }
+  }
 };
-
-void CollectedTable::Add(const SetResult& set, const std::filesystem::path& folder) {
-  const std::string file = name + ".json";
-  const std::vector<fs::path>& written = set.result.tables;
-  const bool there =
-      std::any_of(written.begin(), written.end(), [&](const fs::path& table) { return table.filename() == file; });
-  const nlohmann::json own = there ? ReadJson(folder / file).value_or(nullptr) : nlohmann::json();
-  if (!own.is_object()) {  // not scored, or a dry run
-    if (name == "table") markdown += HeadOf(set) + "\n";
-    return;
-  }
-  for (const nlohmann::json& row : own.at("rows")) {
-    json["rows"].push_back({{"method", row.at("name")},
-                            {"dataset", set.set.name},
-                            {"substitute", set.substitute ? nlohmann::json(set.set.substitute) : nlohmann::json()},
-                            {"ours", row.value("ours", nlohmann::json::object())}});
-  }
-  for (const nlohmann::json& value : own.at("published")) json["published"].push_back(value);
-  const std::pair<const char*, std::string*> parts[] = {{".csv", &csv}, {".tex", &latex}, {".md", &markdown}};
-  for (const auto& [ending, all] : parts) {
-    const auto part = ReadFile(folder / (name + ending));
-    if (!part) continue;
-    const std::string head = all == &csv     ? "# " + set.set.name + "\n"
-                             : all == &latex ? "% " + set.set.name + "\n"
-                                             : HeadOf(set);
-    *all += head + *part + "\n";
-  }
-}
 
 }  // namespace
 

@@ -1,40 +1,26 @@
 #include "job/job_stage.h"
 
-#include <vector>
+#include <algorithm>
+#include <iterator>
 
 #include "core/base/text.h"
 
 namespace mocurate {
 namespace {
 
-struct StageName {
-  const char* name;
-  JobStage stage;
-};
-
-constexpr StageName kStages[] = {{"ingest", JobStage::kIngest},     {"proportions", JobStage::kProportions},
-                                 {"fitting", JobStage::kFitting},   {"canon", JobStage::kCanon},
-                                 {"assemble", JobStage::kAssemble}, {"audit", JobStage::kAudit},
-                                 {"train", JobStage::kTrain},       {"table", JobStage::kTable},
-                                 {"report", JobStage::kReport}};
+/// In the order of JobStage.
+constexpr const char* kStages[] = {"ingest", "proportions", "fitting", "canon", "assemble",
+                                   "audit",  "train",       "table",   "report"};
 
 }  // namespace
 
-const char* Name(JobStage stage) {
-  for (const StageName& known : kStages) {
-    if (known.stage == stage) return known.name;
-  }
-  return "";
-}
+const char* Name(JobStage stage) { return kStages[static_cast<std::size_t>(stage)]; }
 
 Expected<JobStage> JobStageFromName(const std::string& name) {
-  std::vector<std::string> known;
-  for (const StageName& stage : kStages) {
-    if (name == stage.name) return stage.stage;
-    known.emplace_back(stage.name);
-  }
+  const auto found = std::find(std::begin(kStages), std::end(kStages), name);
+  if (found != std::end(kStages)) return static_cast<JobStage>(found - std::begin(kStages));
   return Fail(ErrorCode::kUsage, "there is no stage '" + name + "'", "--to",
-              NearestOfAll(name, known, "the stages are: "));
+              NearestOfAll(name, {std::begin(kStages), std::end(kStages)}, "the stages are: "));
 }
 
 }  // namespace mocurate

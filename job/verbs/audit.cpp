@@ -87,14 +87,13 @@ Expected<fs::path> AuditOf(VerbStages& stages, const fs::path& dataset, const st
   return made->artifact;
 }
 
-/// The page of an audit's findings.
-Expected<fs::path> ReviewPage(VerbStages& stages, const fs::path& dataset, const fs::path& audit,
-                              const ReviewOptions& options, const std::vector<Decision>& decisions) {
+/// The page of an audit's findings, at most `most` of them.
+Expected<fs::path> ReviewPage(VerbStages& stages, const fs::path& dataset, const fs::path& audit, std::int64_t most,
+                              const std::vector<Decision>& decisions) {
+  ReviewOptions options;
+  options.most = most;
   nlohmann::json list = nlohmann::json::array();
-  for (const Decision& decision : decisions) {
-    nlohmann::json json = OptionsToJson(decision);
-    list.push_back(std::move(json));
-  }
+  for (const Decision& decision : decisions) list.push_back(OptionsToJson(decision));
   const fs::path file = stages.folder() / "decisions.json";
   if (Status written = WriteFile(file, list.dump()); !written) return Forward(written);
   const auto made = stages.One(ReviewDeclaration(), {"review",
@@ -209,9 +208,7 @@ Status AuditVerb(CommonArguments& common, const AuditArguments& arguments) {
   const auto audit = ReadAudit(*made);
   if (!audit) return Forward(audit);
   if (keeps) {
-    ReviewOptions options;
-    options.most = static_cast<std::int64_t>(kMostShown);
-    const auto page = ReviewPage(**stages, arguments.path, *made, options, {});
+    const auto page = ReviewPage(**stages, arguments.path, *made, kMostShown, {});
     if (!page) return Forward(page);
     if (Status folder = MakeFolder(arguments.output); !folder) return folder;
     if (Status copied = CopyWhole(*made, json_file); !copied) return copied;
@@ -259,9 +256,7 @@ Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments) {
     audit = AuditOf(**stages, arguments.path, arguments.assignments, {}, arguments.probabilities);
   }
   if (!audit) return Forward(audit);
-  ReviewOptions options;
-  options.most = arguments.most;
-  const auto page = ReviewPage(**stages, arguments.path, *audit, options, earlier.decisions);
+  const auto page = ReviewPage(**stages, arguments.path, *audit, arguments.most, earlier.decisions);
   if (!page) return Forward(page);
   if (Status copied = CopyWhole(*page, arguments.output); !copied) return copied;
   if (AnswersInText(common, {{"page", DisplayPath(arguments.output)}})) {
