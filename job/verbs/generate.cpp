@@ -17,9 +17,8 @@
 #include "job/machine.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
+#include "job/verbs/generate.h"
 #include "job/verbs/inputs_and_outputs.h"
-#include "job/verbs/mesh_files.h"
-#include "job/verbs/motion_scripts.h"
 #include "job/verbs/verbs.h"
 #include "train/checkpoint/checkpoint.h"
 #include "train/options.h"
@@ -40,20 +39,13 @@ Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, cons
   for (const std::string& text : wanted) {
     const std::size_t colon = text.rfind(':');
     const auto count = colon == std::string::npos ? std::optional<long long>(1) : ParseInteger(text.substr(colon + 1));
-    const std::string name = text.substr(0, colon);
-    const auto found = std::find(labels.begin(), labels.end(), name);
-    const auto index = ParseInteger(name);
-    const bool by_index = found == labels.end() && index && *index >= 0 && *index < std::int64_t(labels.size());
-    if (found == labels.end() && !by_index) {
-      return Fail(ErrorCode::kUsage, "the network has no class '" + name + "'", "--label",
-                  NearestOfAll(name, labels, "it has: "));
-    }
+    const auto label = RequestedClass(text.substr(0, colon), labels, "--label");
+    if (!label) return Forward(label);
     if (!count || *count < 1 || *count > 1000000) {
       return Fail(ErrorCode::kUsage, "'" + text.substr(colon + 1) + "' is not a number of motions", "--label",
                   "write LABEL:COUNT, e.g. sit:10");
     }
-    const int label = by_index ? static_cast<int>(*index) : static_cast<int>(found - labels.begin());
-    result.insert(result.end(), static_cast<std::size_t>(*count), label);
+    result.insert(result.end(), static_cast<std::size_t>(*count), *label);
   }
   return result;
 }
@@ -335,10 +327,7 @@ Status WriteDenoised(const fs::path& made, const fs::path& from, const fs::path&
 
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments) {
   ChooseBlasKernels();
-  std::error_code unknown;
-  if (fs::exists(arguments.output, unknown) && !arguments.force) {
-    return Fail(ErrorCode::kUsage, "the file exists", DisplayPath(arguments.output), "use --force to overwrite it");
-  }
+  if (Status free = CheckOutputs({arguments.output}, {}, arguments.force); !free) return free;
   const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.checkpoint);
   if (!checkpoint) return Forward(checkpoint);
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
@@ -363,6 +352,7 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
                   "use a network of kind actor");
     }
     if (Status body = CheckMeshBody(bodies, *checkpoint->skeleton); !body) return body;
+    std::error_code unknown;
     if (fs::exists(arguments.mesh, unknown) && !fs::is_directory(arguments.mesh, unknown)) {
       return Fail(ErrorCode::kUsage, "the path is a file, not a folder", DisplayPath(arguments.mesh),
                   "name a folder with --mesh");

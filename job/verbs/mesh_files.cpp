@@ -1,4 +1,4 @@
-#include "job/verbs/mesh_files.h"
+#include "job/verbs/generate.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "job/verbs/motion_scripts.h"
+#include "job/verbs/generate.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -65,22 +65,26 @@ Expected<ScriptOptions> ReadScript(const std::string& text) {
   return script;
 }
 
+Expected<int> RequestedClass(const std::string& text, const std::vector<std::string>& labels,
+                             const std::string& where) {
+  const auto found = std::find(labels.begin(), labels.end(), text);
+  if (found != labels.end()) return static_cast<int>(found - labels.begin());
+  const auto index = ParseInteger(text);
+  if (index && *index >= 0 && *index < static_cast<long long>(labels.size())) return static_cast<int>(*index);
+  return Fail(ErrorCode::kUsage, "the network has no class '" + text + "'", where,
+              NearestOfAll(text, labels, "it has: "));
+}
+
 Expected<std::vector<ScriptStep>> StepsOf(const ScriptOptions& script, const Checkpoint& network, bool continues) {
   const nlohmann::json usual = network.facts.value("part_frames", nlohmann::json::array());
   std::vector<ScriptStep> steps;
   for (std::size_t k = 0; k < script.actions.size(); ++k) {
     const ScriptActionOptions& action = script.actions[k];
     const std::string where = "--script, action " + std::to_string(k + 1);
-    const auto found = std::find(network.labels.begin(), network.labels.end(), action.action);
-    const auto index = ParseInteger(action.action);
-    const bool by_index =
-        found == network.labels.end() && index && *index >= 0 && *index < static_cast<long long>(network.labels.size());
-    if (found == network.labels.end() && !by_index) {
-      return Fail(ErrorCode::kUsage, "the network has no class '" + action.action + "'", where,
-                  NearestOfAll(action.action, network.labels, "it has: "));
-    }
+    const auto label = RequestedClass(action.action, network.labels, where);
+    if (!label) return Forward(label);
     ScriptStep step;
-    step.label = by_index ? static_cast<int>(*index) : static_cast<int>(found - network.labels.begin());
+    step.label = *label;
     const auto at = static_cast<std::size_t>(step.label);
     const auto known = [&](std::size_t column) {
       const bool there =
