@@ -218,10 +218,6 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedPath, MotionFile
   return read;
 }
 
-const char* VariantName(ProtocolVariant variant) {
-  return variant == ProtocolVariant::kGiven ? "given" : variant == ProtocolVariant::kReleased ? "released" : "paper";
-}
-
 Status WriteResults(const nlohmann::json& result, const EvaluationResult& evaluated, const fs::path& folder) {
   if (Status made = MakeFolder(folder / "features"); !made) return made;
   for (const auto& [name, file] : evaluated.features) {
@@ -330,7 +326,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   if (!published) return Forward(published);
   nlohmann::json result = {{"protocol", plan->protocol.name},
                            {"paper", plan->protocol.paper},
-                           {"variant", VariantName(plan->protocol.variant)},
+                           {"variant", OptionsToJson(plan->protocol).at("variant")},
                            {"extractor", plan->extractor.name},
                            {"rows", evaluated->rows},
                            {"comparisons", evaluated->comparisons},
