@@ -25,9 +25,15 @@ struct CommandLine {
   }
 };
 
+/// An option that may be repeated, with one value each time.
+template <class Value>
+CLI::Option* AddRepeated(CLI::App* command, const char* name, std::vector<Value>& values, const std::string& help) {
+  return command->add_option(name, values, help)->allow_extra_args(false);
+}
+
 /// --set KEY=VALUE, which may be repeated.
 inline CLI::Option* AddAssignments(CLI::App* command, std::vector<std::string>& assignments, const std::string& help) {
-  return command->add_option("--set", assignments, help)->type_name("KEY=VALUE")->allow_extra_args(false);
+  return AddRepeated(command, "--set", assignments, help)->type_name("KEY=VALUE");
 }
 
 inline void AddJobCount(CLI::App* command, int& jobs, const char* help = "worker processes (default: one per core)") {

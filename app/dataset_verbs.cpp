@@ -55,10 +55,8 @@ void AddReview(const CommandLine& line) {
   CLI::Option* most = review->add_option("--most", arguments->most, "number of findings shown, the worst first")
                           ->check(CLI::Range(1, 2000))
                           ->capture_default_str();
-  CLI::Option* set = review->add_option("--set", arguments->assignments, "override an option of the audit")
-                         ->excludes(audited)
-                         ->type_name("KEY=VALUE")
-                         ->allow_extra_args(false);
+  CLI::Option* set =
+      AddAssignments(review, arguments->assignments, "override an option of the audit")->excludes(audited);
   CLI::Option* annotate =
       review->add_flag("--annotate", arguments->annotate, "a page for marking labelled spans on the timeline of clips");
   for (CLI::Option* of_findings : {audited, decided, classified, most, set}) annotate->excludes(of_findings);
@@ -69,12 +67,10 @@ void AddReview(const CommandLine& line) {
       ->needs(annotate)
       ->excludes(labels);
   review->add_option("--spans", arguments->spans, "with --annotate: spans.csv of an earlier session")->needs(annotate);
-  CLI::Option* clips = review
-                           ->add_option("--clip", arguments->clips,
-                                        "with --annotate: id of a clip or recording, in full or its last part; may be "
-                                        "repeated (default: clips without a label)")
-                           ->needs(annotate)
-                           ->allow_extra_args(false);
+  CLI::Option* clips = AddRepeated(review, "--clip", arguments->clips,
+                                   "with --annotate: id of a clip or recording, in full or its last part; may be "
+                                   "repeated (default: clips without a label)")
+                           ->needs(annotate);
   review->add_flag("--all", arguments->all, "with --annotate: show labelled clips as well")
       ->needs(annotate)
       ->excludes(clips);
@@ -104,11 +100,10 @@ void AddSurvey(const CommandLine& line) {
                    "motion was recorded")
       ->required()
       ->check(CLI::IsMember({"preference", "real_or_fake"}));
-  make->add_option("--motions", making->motions,
-                   "motions of a source: a dataset or MotionSet, or a file or folder as for eval; once per source")
+  AddRepeated(make, "--motions", making->motions,
+              "motions of a source: a dataset or MotionSet, or a file or folder as for eval; once per source")
       ->required()
-      ->type_name("NAME=FILE")
-      ->allow_extra_args(false);
+      ->type_name("NAME=FILE");
   make->add_option("--real", making->real, "with real_or_fake: the source of recordings (default: real)");
   make->add_option("--questions", making->questions,
                    "number of questions (default: as many as possible with the motions, at most 40)")
@@ -116,15 +111,13 @@ void AddSurvey(const CommandLine& line) {
   make->add_option("--seed", making->seed, "seed of all draws: motions, their order and sides")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9000000000000000}))
       ->capture_default_str();
-  make->add_option("--label", making->ask,
-                   "ask about this label; may be repeated (default: all labels that every source has)")
-      ->allow_extra_args(false);
+  AddRepeated(make, "--label", making->ask,
+              "ask about this label; may be repeated (default: all labels that every source has)");
   make->add_option("--seconds", making->seconds, "shown seconds of each motion, from its begin, at most")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
-  make->add_option("--labels", making->labels,
-                   "labels of motions without labels, as for eval: once, or for each source")
-      ->allow_extra_args(false);
+  AddRepeated(make, "--labels", making->labels,
+              "labels of motions without labels, as for eval: once, or for each source");
   make->add_option("--source", making->source, "source declaration of files that are not datasets");
   make->add_option("--extractor", making->extractor,
                    "recogniser whose joints, axes and unit bare arrays have: a name of configs/extractors");

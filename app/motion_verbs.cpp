@@ -38,8 +38,7 @@ void AddExport(const CommandLine& line) {
   }
   verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
   verb_export->add_option("--source", arguments->source, "source declaration, for files without one of their own");
-  verb_export->add_option("--clip", arguments->clips, "clip to export, by its id or the end of it (default: all)")
-      ->allow_extra_args(false);
+  AddRepeated(verb_export, "--clip", arguments->clips, "clip to export, by its id or the end of it (default: all)");
   verb_export->add_option("--split", arguments->split,
                           "split to write (default: all; amass_babel contains only one, the first)");
   verb_export
@@ -66,21 +65,17 @@ void AddGenerate(const CommandLine& line) {
   CLI::App* generate = line.app.add_subcommand("generate", "Generate motions with a trained network");
   generate->add_option("checkpoint", arguments->checkpoint, "checkpoint of a generator: RUN/checkpoints/NAME_SEED.h5")
       ->required();
-  generate
-      ->add_option("--label", arguments->labels,
-                   "class, by name or index, and number of motions: sit:10; may be repeated (default: each class once)")
-      ->allow_extra_args(false);
+  AddRepeated(generate, "--label", arguments->labels,
+              "class, by name or index, and number of motions: sit:10; may be repeated (default: each class once)");
   generate->add_option("--frames", arguments->frames,
                        "frames of each motion (default: as in training); FIRST:LAST[:STEP]: each of these");
   generate
       ->add_option("--interpolate", arguments->interpolate,
                    "for each requested motion, this number of motions interpolated between two latents (kind actor)")
       ->check(CLI::Range(2, 100000));
-  generate
-      ->add_option("--script", arguments->scripts,
-                   "motion of several actions: throw,catch:30,throw (ACTION:FRAMES), a name of "
-                   "configs/scripts, or a YAML file; may be repeated (kind macvae, or actor with joined motions)")
-      ->allow_extra_args(false);
+  AddRepeated(generate, "--script", arguments->scripts,
+              "motion of several actions: throw,catch:30,throw (ACTION:FRAMES), a name of "
+              "configs/scripts, or a YAML file; may be repeated (kind macvae, or actor with joined motions)");
   generate->add_option("--count", arguments->count, "number of motions of each script")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -140,10 +135,8 @@ void AddDraw(const CommandLine& line) {
                    "datasets, MotionSets, or files and folders of motions; NAME=PATH names the row")
       ->required();
   draw->add_option("-o,--output", arguments->output, "picture (.svg, .png) or video (.mp4) to write")->required();
-  draw->add_option("--label", arguments->labels, "class to show; may be repeated (default: all classes)")
-      ->allow_extra_args(false);
-  draw->add_option("--clip", arguments->clips, "id of a clip, or its end, instead of --label; may be repeated")
-      ->allow_extra_args(false);
+  AddRepeated(draw, "--label", arguments->labels, "class to show; may be repeated (default: all classes)");
+  AddRepeated(draw, "--clip", arguments->clips, "id of a clip, or its end, instead of --label; may be repeated");
   draw->add_option("--samples", arguments->samples, "number of motions of each label and file")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -176,10 +169,8 @@ void AddReproduce(const CommandLine& line) {
   CLI::App* reproduce = line.app.add_subcommand(
       "reproduce", "Reproduce a table or figure of a paper, with the published numbers beside it");
   reproduce->add_option("id", arguments->id, "PAPER/ITEM, e.g. actor/table3; or `list` for all")->required();
-  reproduce
-      ->add_option("--data", arguments->data,
-                   "NAME=PATH: your copy of a set; may be repeated (default: synthetic motions in its layout)")
-      ->allow_extra_args(false);
+  AddRepeated(reproduce, "--data", arguments->data,
+              "NAME=PATH: your copy of a set; may be repeated (default: synthetic motions in its layout)");
   reproduce
       ->add_option("--profile", arguments->profile,
                    "smoke: test that it runs; small: check the order of rows; paper: as published (default small)")
@@ -205,23 +196,18 @@ void AddEval(const CommandLine& line) {
   eval->add_option("--protocol", arguments->protocol,
                    "scoring protocol: " + JoinTexts(ProtocolNames()) + ", or a YAML file")
       ->required();
-  eval->add_option(
-          "--generated", arguments->generated,
-          "motions to score, a file or a folder: a dataset or MotionSet of mocurate; .npy of (motions, frames, "
-          "joints, 3) or (motions, frames, 3 joints); MDM's results.npy; ACTOR's generation.npy; a folder of "
-          "one motion per file; BVH; AMASS .npz. NAME=PATH names the row; may be repeated")
-      ->allow_extra_args(false);
-  eval->add_option(
-          "--labels", arguments->labels,
-          "labels of the generated motions: .npy of class indices or names, .csv of 'name,label' lines, or a "
-          "label per line, in the order of the motions or of the folder's file names; once for all sets, or once "
-          "for each. Default: file names of a folder that begin with a class")
-      ->allow_extra_args(false);
-  eval->add_option(
-          "--lengths", arguments->lengths,
-          "numbers of frames of the generated motions, which are cut to them: a text of one number a line, or .npy, in "
-          "the order of the motions; once for all sets, or once for each")
-      ->allow_extra_args(false);
+  AddRepeated(eval, "--generated", arguments->generated,
+              "motions to score, a file or a folder: a dataset or MotionSet of mocurate; .npy of (motions, frames, "
+              "joints, 3) or (motions, frames, 3 joints); MDM's results.npy; ACTOR's generation.npy; a folder of "
+              "one motion per file; BVH; AMASS .npz. NAME=PATH names the row; may be repeated");
+  AddRepeated(eval, "--labels", arguments->labels,
+              "labels of the generated motions: .npy of class indices or names, .csv of 'name,label' lines, or a "
+              "label per line, in the order of the motions or of the folder's file names; once for all sets, or once "
+              "for each. Default: file names of a folder that begin with a class");
+  AddRepeated(
+      eval, "--lengths", arguments->lengths,
+      "numbers of frames of the generated motions, which are cut to them: a text of one number a line, or .npy, in "
+      "the order of the motions; once for all sets, or once for each");
   eval->add_option("--padding", arguments->padding,
                    "trailing frames that are all zero or, in files of other programs, repeat the last pose: cut "
                    "(default), or keep: scored as given, with a warning")
@@ -251,9 +237,8 @@ void AddEval(const CommandLine& line) {
           ->expected(0, 1);
   std::string damages;
   for (const DamageInfo& info : Damages()) damages += (damages.empty() ? "" : ", ") + std::string(info.name);
-  eval->add_option("--doses", arguments->doses, "a damage and its doses, of: " + damages + "; may be repeated")
-      ->type_name("NAME=DOSE,...")
-      ->allow_extra_args(false);
+  AddRepeated(eval, "--doses", arguments->doses, "a damage and its doses, of: " + damages + "; may be repeated")
+      ->type_name("NAME=DOSE,...");
   eval->add_option("--seed", arguments->seed, "seed of the damages (default 1)");
   eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
   AddAssignments(eval, arguments->assignments,

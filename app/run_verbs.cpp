@@ -21,9 +21,8 @@ void AddRun(const CommandLine& line) {
   auto* budget =
       run->add_option("--budget", arguments->budget, "train the generator this many times longer than the config says")
           ->check(CLI::Range(0.001, 1e6));
-  auto* data = run->add_option("--data", arguments->data,
-                               "NAME=PATH: your copy of a set, in a run over several; may be repeated")
-                   ->allow_extra_args(false);
+  auto* data = AddRepeated(run, "--data", arguments->data,
+                           "NAME=PATH: your copy of a set, in a run over several; may be repeated");
   auto* dry_run =
       run->add_flag("-n,--dry-run", arguments->dry_run, "show what would run and what the cache has, run nothing");
   auto* executor = run->add_option("--executor", arguments->executor,
@@ -116,8 +115,8 @@ void AddFit(const CommandLine& line) {
                   "skeleton of the fitted motion (default: one with the tracked joints; recorded rotations are kept)");
   fit->add_option("--source", arguments->source,
                   "name of a source declaration of configs/sources (precedes a file of that name), or a config");
-  fit->add_option("--clip", arguments->clips, "clip to fit, as named by `inspect`: a file, '[3]' in a file of several")
-      ->allow_extra_args(false);
+  AddRepeated(fit, "--clip", arguments->clips,
+              "clip to fit, as named by `inspect`: a file, '[3]' in a file of several");
   AddAssignments(fit, arguments->assignments, "override an option, e.g. --set ingest.source.rate='30 Hz'");
   AddJobCount(fit, arguments->jobs);
   fit->add_flag("--contacts", arguments->contacts, "remove foot sliding: feet keep their place during contact");
@@ -140,11 +139,9 @@ void AddRig(const CommandLine& line) {
   CLI::App* audit = rig->add_subcommand("audit", "Audit the rig of all takes of a config together");
   audit->add_option("config", arguments->config, "YAML file, or the name of a job, as for run")->required();
   audit->add_option("-o,--output", arguments->output, "file of the audited rig (YAML)")->required();
-  audit
-      ->add_option(
-          "--clip", arguments->clips,
-          "take to audit: its clip id (source/person/recording), recording or file; may be repeated (default: all)")
-      ->allow_extra_args(false);
+  AddRepeated(
+      audit, "--clip", arguments->clips,
+      "take to audit: its clip id (source/person/recording), recording or file; may be repeated (default: all)");
   AddAssignments(audit, arguments->assignments, "override an option, e.g. --set ingest.path=DIR");
   AddJobCount(audit, arguments->jobs);
   audit->add_flag("--force", arguments->force, "overwrite the output");
