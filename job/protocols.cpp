@@ -9,7 +9,7 @@
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "job/named_configs.h"
-#include "train/checkpoint/describe.h"
+#include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/motion/action_parts.h"
 #include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
-#include "train/data/training_windows.h"
+#include "train/data/batches.h"
 #include "train/generators/long_motion.h"
 #include "train/options.h"
 #include "train/trainer/trainer.h"

@@ -13,7 +13,7 @@
 #include "ingest/discover.h"
 #include "job/curation_log.h"
 #include "job/run_file.h"
-#include "train/checkpoint/describe.h"
+#include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
 namespace {

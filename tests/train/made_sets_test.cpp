@@ -9,7 +9,6 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/data/batches.h"
-#include "train/data/training_windows.h"
 #include "train/generators/motion_generator.h"
 #include "train/items.h"
 #include "train/trainer/trainer.h"

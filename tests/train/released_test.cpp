@@ -1,6 +1,6 @@
 // Weights of a file of torch.save replace a training.
 
-#include "train/checkpoint/released.h"
+#include "train/checkpoint/checkpoint.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,6 @@
 #include "core/base/file.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
-#include "train/checkpoint/checkpoint.h"
 #include "train/data/training_set.h"
 #include "train/trainer/trainer.h"
 

@@ -9,8 +9,7 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/data/training_set.h"
-#include "train/data/training_windows.h"
+#include "train/data/batches.h"
 #include "train/items.h"
 
 namespace mocurate {

@@ -12,7 +12,6 @@
 #include "core/formats/safetensors.h"
 #include "core/motion/skeleton.h"
 #include "core/store/hdf5_file.h"
-#include "train/checkpoint/describe.h"
 
 namespace mocurate {
 namespace {

@@ -53,4 +53,21 @@ Status ExportSafetensors(const Checkpoint& checkpoint, const std::filesystem::pa
 /// `kind` (empty: any), or when it is of another version.
 Expected<Checkpoint> ReadCheckpoint(const std::filesystem::path& path, const std::string& kind = {});
 
+/// Whether an HDF5 file is declared as a checkpoint.
+bool IsCheckpoint(const std::filesystem::path& path);
+
+/// Summary of a checkpoint as JSON: network, progress, classes, skeleton, size, options. Errors of ReadCheckpoint.
+Expected<nlohmann::json> DescribeCheckpoint(const std::filesystem::path& path);
+
+/// Weights of a network that was trained elsewhere.
+struct ReleasedWeights {
+  ParameterList parameters;  ///< by the network's own names
+  std::int64_t steps = 0;    ///< as stated in the file; 0: not stated
+};
+
+/// Weights of a network of kind `kind` from a file of torch.save, in the form of the papers' code, or from a checkpoint
+/// (.h5, .safetensors). No code of the file is executed. Other content, such as an optimiser's state, is ignored.
+/// Errors: those of ReadTorchPickle and ReadCheckpoint; kInconsistent for a file without such a network.
+Expected<ReleasedWeights> ReadReleasedWeights(const std::filesystem::path& path, const std::string& kind);
+
 }  // namespace mocurate

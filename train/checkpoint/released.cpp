@@ -1,4 +1,4 @@
-#include "train/checkpoint/released.h"
+#include "train/checkpoint/checkpoint.h"
 
 #include <cmath>
 #include <utility>
@@ -6,7 +6,6 @@
 
 #include "core/base/file.h"
 #include "core/formats/torch_pickle.h"
-#include "train/checkpoint/checkpoint.h"
 
 namespace mocurate {
 namespace {

@@ -84,6 +84,24 @@ struct MotionRows {
 MotionRows MakeMotionRows(const TrainingSet& set, const TrainingDataOptions& options, const std::vector<int>& rows,
                           std::uint64_t seed, const std::string& key, bool augment);
 
+/// Pose of a sample for a network (multiact.md B): network_from_world from its anchor, the last frame of the previous
+/// motion. `rest_axes` of the skeleton (core/motion/heading.h), `root` world_from_root, `place` of the root;
+/// `canonical_from_source` of the sample, whose inverse kNone uses.
+RigidTransform NetworkFromWorld(CanonicalChoice choice, const Matrix3d& rest_axes, const Quaterniond& root,
+                                const Vector3d& place, const RigidTransform& canonical_from_source);
+
+/// Samples of three parts, padded to `frames`: joints and rotations in the network's frame, identities after the end.
+/// The parts of a clip must have at most that many frames together.
+MotionRows PlacedSamples(const TrainingSet& set, CanonicalChoice choice, int frames, const std::vector<int>& rows);
+
+/// The training clips of a network, cut into consecutive windows of its `frames`; the remainder is dropped. Of a clip
+/// with inferred frames the longest stretch without them is cut; one of nothing else is left out. Of these the set's
+/// one finding states the number, "inferred_frames". A shorter clip stays whole, or is excluded where the network has a
+/// fixed length. They are the training part of the set's one
+/// split; clips of the validation part become its validation part, and with `test` those of the test part its test
+/// part. Clips of these two without a motion or a label of the set are excluded. Errors of SelectTrainingRows.
+Expected<Dataset> TrainingWindows(Dataset set, const NetworkOptions& network, bool test);
+
 /// Positions 0..count-1 in the order of one pass, drawn by Fisher-Yates.
 std::vector<int> ShuffledOrder(int count, Random random);
 

@@ -1,9 +1,7 @@
-#include "train/data/placed_samples.h"
-
 #include <algorithm>
-#include <numeric>
 
 #include "core/motion/heading.h"
+#include "train/data/batches.h"
 
 namespace mocurate {
 RigidTransform NetworkFromWorld(CanonicalChoice choice, const Matrix3d& rest_axes, const Quaterniond& root,

@@ -1,7 +1,4 @@
-#include "train/data/training_windows.h"
-
 #include <algorithm>
-#include <numeric>
 
 #include "core/motion/gaps.h"
 #include "core/motion/operations.h"

@@ -4,7 +4,7 @@
 #include "core/base/text.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
-#include "train/data/placed_samples.h"
+#include "train/data/batches.h"
 #include "train/generators/generator_impl.h"
 
 namespace mocurate {

@@ -8,7 +8,6 @@
 #include "core/base/parallel.h"
 #include "core/base/random.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/checkpoint/released.h"
 #include "train/recognisers/gru_pass.h"
 #include "train/recognisers/st_gcn_pass.h"
 
