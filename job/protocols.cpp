@@ -111,9 +111,7 @@ Expected<fs::path> FindWeights(const ExtractorOptions& extractor) {
 Expected<nlohmann::json> PublishedNumbers(const std::string& paper, const std::string& dataset) {
   const auto csv = FindResource("published/tables.csv");
   if (!csv || dataset.empty()) return nlohmann::json::array();
-  const auto values = ParsePublished(*csv, "published/tables.csv");
-  if (!values) return Forward(values);
-  return PublishedOf(*values, paper, dataset);
+  return PublishedOf(*csv, "published/tables.csv", paper, dataset);
 }
 
 }  // namespace mocurate

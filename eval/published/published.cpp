@@ -21,8 +21,9 @@ double HalfUnitOf(const std::string& number) {
 
 }  // namespace
 
-Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const std::string& name) {
-  std::vector<PublishedValue> values;
+Expected<nlohmann::json> PublishedOf(std::string_view csv, const std::string& name, const std::string& paper,
+                                     const std::string& dataset) {
+  nlohmann::json own = nlohmann::json::array(), others = nlohmann::json::array();
   int line_number = 0;
   for (const std::string_view line : SplitText(csv, '\n')) {
     ++line_number;
@@ -36,37 +37,26 @@ Expected<std::vector<PublishedValue>> ParsePublished(std::string_view csv, const
                   name + ":" + std::to_string(line_number),
                   "write paper,table,dataset,method,metric,value,pm,pm_kind,source");
     }
-    values.push_back(
-        {fields[0], fields[1], fields[2], fields[3], fields[4], *number, ParseDouble(fields[6]), fields[7], fields[8]});
+    if (fields[2] != dataset) continue;
+    const auto pm = ParseDouble(fields[6]);
     // The papers print both with the same digits; ACTOR's accuracies are percent and percent squared.
-    PublishedValue& value = values.back();
-    value.rounding = HalfUnitOf(fields[5]);
-    const bool squared = value.metric == "accuracy" && value.pm_kind == Name(IntervalKind::kActor);
-    value.pm_rounding = value.rounding * (squared ? 0.01 : 1.0);
+    const double rounding = HalfUnitOf(fields[5]);
+    const bool squared = fields[4] == "accuracy" && fields[7] == Name(IntervalKind::kActor);
+    (fields[0] == paper ? own : others)
+        .push_back({{"method", fields[3]},
+                    {"paper", fields[0]},
+                    {"dataset", fields[2]},
+                    {"metric", fields[4]},
+                    {"value", *number},
+                    {"pm", pm ? nlohmann::json(*pm) : nlohmann::json()},
+                    {"pm_kind", fields[7]},
+                    {"table", fields[1]},
+                    {"source", fields[8]},
+                    {"rounding", rounding},
+                    {"pm_rounding", rounding * (squared ? 0.01 : 1.0)}});
   }
-  return values;
-}
-
-nlohmann::json PublishedOf(const std::vector<PublishedValue>& values, const std::string& paper,
-                           const std::string& dataset) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const bool own : {true, false}) {
-    for (const PublishedValue& value : values) {
-      if (value.dataset != dataset || (value.paper == paper) != own) continue;
-      list.push_back({{"method", value.method},
-                      {"paper", value.paper},
-                      {"dataset", value.dataset},
-                      {"metric", value.metric},
-                      {"value", value.value},
-                      {"pm", value.pm ? nlohmann::json(*value.pm) : nlohmann::json()},
-                      {"pm_kind", value.pm_kind},
-                      {"table", value.table},
-                      {"source", value.source},
-                      {"rounding", value.rounding},
-                      {"pm_rounding", value.pm_rounding}});
-    }
-  }
-  return list;
+  for (nlohmann::json& value : others) own.push_back(std::move(value));
+  return own;
 }
 
 nlohmann::json OfTransitions(const nlohmann::json& published, bool transitions) {

@@ -228,19 +228,18 @@ TEST(ResultTable, MarksValuesOutsideThePublishedIntervalOnOriginalDataOnly) {
 }
 
 TEST(Published, NumbersOfADataSetStartWithItsOwnPaper) {
-  const auto values = ParsePublished(
+  const char* csv =
       "paper,table,dataset,method,metric,value,pm,pm_kind,source\n"
       "ACTOR,3,NTU-13,ACTOR (ours),accuracy,0.971,2e-05,actor_1.96_variance,\"Petrovich et al., Table 3\"\n"
-      "Action2Motion,1,NTU-13,Ours,FID_train,0.33,,a2m_1.96_sd_over_sqrt_n,x\n",
-      "t.csv");
-  ASSERT_TRUE(values) << values.error().Message();
-  const nlohmann::json list = PublishedOf(*values, "Action2Motion", "NTU-13");
-  ASSERT_EQ(list.size(), 2u);
-  EXPECT_EQ(list[0]["method"], "Ours");
-  EXPECT_TRUE(list[0]["pm"].is_null());
-  EXPECT_EQ(list[1]["source"], "Petrovich et al., Table 3");
-  EXPECT_EQ(PublishedOf(*values, "ACTOR", "CMU").size(), 0u);
-  const auto broken = ParsePublished("header\nACTOR,3,NTU-13,x,FID,many,,,\n", "t.csv");
+      "Action2Motion,1,NTU-13,Ours,FID_train,0.33,,a2m_1.96_sd_over_sqrt_n,x\n";
+  const auto list = PublishedOf(csv, "t.csv", "Action2Motion", "NTU-13");
+  ASSERT_TRUE(list) << list.error().Message();
+  ASSERT_EQ(list->size(), 2u);
+  EXPECT_EQ((*list)[0]["method"], "Ours");
+  EXPECT_TRUE((*list)[0]["pm"].is_null());
+  EXPECT_EQ((*list)[1]["source"], "Petrovich et al., Table 3");
+  EXPECT_EQ(PublishedOf(csv, "t.csv", "ACTOR", "CMU")->size(), 0u);
+  const auto broken = PublishedOf("header\nACTOR,3,NTU-13,x,FID,many,,,\n", "t.csv", "ACTOR", "CMU");
   ASSERT_FALSE(broken);
   EXPECT_EQ(broken.error().where, "t.csv:2");
 }
