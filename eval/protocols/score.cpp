@@ -10,7 +10,6 @@
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/feature_distances.h"
 #include "eval/metrics/interval.h"
-#include "eval/metrics/neighbours.h"
 #include "eval/protocols/draws.h"
 
 namespace mocurate {
