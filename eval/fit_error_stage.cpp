@@ -57,8 +57,8 @@ nlohmann::json FitErrorJson(const FitError& error) {
                          {"bone_direction_deg", error.bone_direction_deg},
                          {"frames", error.frames}};
   if (error.coverage.components > 0) {
-    json["within_one_sigma"] = error.coverage.within_one_sigma;
-    json["within_two_sigma"] = error.coverage.within_two_sigma;
+    json["within_one_sigma"] = error.coverage.within_one_sigma();
+    json["within_two_sigma"] = error.coverage.within_two_sigma();
     json["within_quarters_of_sigma"] = error.coverage.within;
   }
   return json;
@@ -69,8 +69,6 @@ void AddClipCoverage(const Coverage& clip, Coverage& total) {
   const std::int64_t components = total.components + clip.components;
   if (clip.components == 0) return;
   const double share = static_cast<double>(clip.components) / static_cast<double>(components);
-  total.within_one_sigma += share * (clip.within_one_sigma - total.within_one_sigma);
-  total.within_two_sigma += share * (clip.within_two_sigma - total.within_two_sigma);
   for (std::size_t i = 0; i < total.within.size(); ++i) total.within[i] += share * (clip.within[i] - total.within[i]);
   total.components = components;
 }

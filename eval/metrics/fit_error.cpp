@@ -47,7 +47,6 @@ void AddRotationErrors(const Motion& fitted, const Motion& truth, const std::vec
   for (const auto& [a, b] : shared) {
     if (RotationIsVisible(*truth.skeleton, children[b])) visible.emplace_back(a, b);
   }
-  error.rotation_joints = static_cast<int>(visible.size());
   if (visible.empty()) return;
   double sum = 0.0;
   for (int f = 0; f < truth.frame_count(); ++f) {
@@ -119,8 +118,6 @@ void AddCoverage(const Motion& fitted, const Motion& truth, const std::vector<st
   Coverage& coverage = error.coverage;
   for (std::size_t i = 0; i < within.size(); ++i)
     coverage.within[i] = static_cast<double>(within[i]) / static_cast<double>(count);
-  coverage.within_one_sigma = coverage.within[3];
-  coverage.within_two_sigma = coverage.within[7];
   coverage.components = count;
 }
 

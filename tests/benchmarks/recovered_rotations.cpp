@@ -78,8 +78,8 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
       sum.frames += error->frames;
       sum.joint_mm += error->frames * error->joint_mm;
       sum.bone_direction_deg += error->frames * error->bone_direction_deg;
-      one += error->frames * error->coverage.within_one_sigma;
-      two += error->frames * error->coverage.within_two_sigma;
+      one += error->frames * error->coverage.within_one_sigma();
+      two += error->frames * error->coverage.within_two_sigma();
       double off = 0.0;
       for (int f = 0; f < clip.tracks.frames(); ++f) {
         for (int j = 0; j < clip.tracks.joints(); ++j)
