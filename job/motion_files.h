@@ -6,7 +6,7 @@
 
 #include "core/base/config.h"
 #include "core/pipeline/runner.h"
-#include "eval/features/extractor_options.h"
+#include "eval/options.h"
 #include "ingest/read_motions.h"
 
 namespace mocurate {

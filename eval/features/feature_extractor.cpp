@@ -24,24 +24,20 @@ std::string Plain(const std::string& label) {
 
 /// The options stored in a checkpoint of mocurate.
 void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
-  ExtractorOptions& options = extractor.options;
+  ExtractorOptions& options = extractor.rules.options;
   options.frames = recogniser.input_frames();
   options.length =
       recogniser.input_kind() == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
   const bool whole = recogniser.input_kind() == RecogniserInputKind::kWhole;
   options.padding = whole ? PaddingRule::kZerosMinusRoot : PaddingRule::kRepeatLast;
   options.read_out = recogniser.reads_last_valid() ? ReadOut::kLastValid : ReadOut::kLastFrame;
-  extractor.rules.padding = options.padding;
-  extractor.rules.read_out = options.read_out;
   options.real_root = options.generated_root = RootRule::kFirstFrame;
   options.classes = recogniser.labels();
   options.rate_hz = recogniser.rate_hz();
   extractor.rules.skeleton = recogniser.skeleton();
-  extractor.rules.frames = recogniser.input_frames();
-  extractor.rules.length = options.length;
+  options.values = ExtractorValues::kJoints;
   if (recogniser.reads_rotations()) {
-    options.network = ExtractorNetwork::kStGcn;
-    options.values = extractor.rules.values = ExtractorValues::kRotation6DRows;
+    options.values = ExtractorValues::kRotation6DRows;
     extractor.rules.root_rotation = recogniser.input_size() == 6 * recogniser.skeleton()->joint_count();
   }
   if (options.name.empty()) options.name = "own";
@@ -65,7 +61,7 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
                 "a GRU reads joints, an ST-GCN rotation_6d_rows");
   }
   Extractor extractor;
-  extractor.options = options;
+  extractor.rules.options = options;
   if (weights.extension() == ".h5" || weights.extension() == ".safetensors") {
     auto own = Recogniser::Load(weights);
     if (!own) return Forward(own);
@@ -122,7 +118,7 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
     if (!found) return Forward(found);
     joints[motion->skeleton.get()] = std::move(*found);
   }
-  for (std::size_t i = 0; rules.values != ExtractorValues::kJoints && i < motions.size(); ++i) {
+  for (std::size_t i = 0; rules.options.values != ExtractorValues::kJoints && i < motions.size(); ++i) {
     Status rotations = CheckRotations(*rules.skeleton, *motions[i]);
     if (rotations) continue;
     return Fail(rotations.error().code, rotations.error().what, clips[i], rotations.error().hint);
@@ -131,7 +127,7 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
   hidden.kind = pass.hidden;
   hidden.seed = pass.seed;
   const auto count = static_cast<int>(motions.size());
-  const auto size = static_cast<std::ptrdiff_t>(rules.frames) * rules.size();
+  const auto size = static_cast<std::ptrdiff_t>(rules.frames()) * rules.size();
   std::vector<char> finite(motions.size());
   const auto write = [&](int begin, int end, float* values, int* read_out) {
     for (int n = begin; n < end; ++n, values += size) {
@@ -142,7 +138,7 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
       finite[i] = std::all_of(values, values + size, [](float value) { return std::isfinite(value); }) ? 1 : 0;
     }
   };
-  const auto output = extractor.recogniser->Run(write, count, rules.frames, rules.size(), hidden, pass.threads);
+  const auto output = extractor.recogniser->Run(write, count, rules.frames(), rules.size(), hidden, pass.threads);
   const auto broken = std::find(finite.begin(), finite.end(), 0);
   if (output && broken != finite.end()) {
     return Fail(ErrorCode::kInconsistent, "a joint position is not a finite number",
@@ -153,12 +149,12 @@ Status AppendFeatures(const Extractor& extractor, const std::vector<const Motion
     return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
   };
   if (!all_finite(output->features) || !all_finite(output->logits)) {
-    return Fail(ErrorCode::kInconsistent, "the network's output is not finite", extractor.options.name,
+    return Fail(ErrorCode::kInconsistent, "the network's output is not finite", extractor.rules.options.name,
                 "its training diverged, or its file is damaged: use another network");
   }
   set.pass_begin.push_back(set.count());
   set.feature_size = output->feature_size;
-  set.classes = extractor.options.classes;
+  set.classes = extractor.rules.options.classes;
   set.features.insert(set.features.end(), output->features.begin(), output->features.end());
   set.logits.insert(set.logits.end(), output->logits.begin(), output->logits.end());
   set.label.insert(set.label.end(), labels.begin(), labels.end());

@@ -13,7 +13,6 @@ namespace mocurate {
 
 /// A recogniser and the conversion of motions to its input.
 struct Extractor {
-  ExtractorOptions options;
   InputRules rules;
   std::unique_ptr<Recogniser> recogniser;
 

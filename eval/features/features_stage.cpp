@@ -127,7 +127,7 @@ class FeaturesRun {
       return Fail(ErrorCode::kInconsistent, "no motion is left: all frames are zero, or inferred", options_.purpose,
                   "give other motions, or score them as they are: --padding keep");
     }
-    const auto classes = ClassesOf(dataset, set_.classes = extractor_.options.classes);
+    const auto classes = ClassesOf(dataset, set_.classes = extractor_.rules.options.classes);
     if (!classes) return Forward(classes);
     std::vector<Motion> parts;  // of clips, where a part is scored
     std::vector<const Motion*> all;
@@ -175,7 +175,7 @@ class FeaturesRun {
     if (!rows) return Forward(rows);
     std::vector<int> class_of;
     for (const std::string& label : dataset.labels) {
-      class_of.push_back(ClassOf(extractor_.options.classes, label).value_or(-1));
+      class_of.push_back(ClassOf(extractor_.rules.options.classes, label).value_or(-1));
     }
     const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
     for (int p = 0; p < passes; ++p) {
@@ -226,7 +226,7 @@ class FeaturesRun {
   Expected<std::vector<MotionRequest>> RequestsOf(const Dataset& dataset, const std::vector<int>& rows,
                                                   int pass) const {
     if (options_.script != ScriptDraw::kNone) return DrawScripts(dataset, rows, options_, pass);
-    return DrawRequests(dataset, rows, options_, extractor_.rules.frames, pass);
+    return DrawRequests(dataset, rows, options_, extractor_.rules.frames(), pass);
   }
 
   Status Append(const PassMotions& motions, int pass, int passes) {
@@ -234,8 +234,8 @@ class FeaturesRun {
       return Fail(ErrorCode::kInterrupted, "features stopped on request", options_.purpose, "run again");
     }
     PassOptions how;
-    if (options_.generated) how.yaw_rad = extractor_.options.yaw_rad;
-    how.root = options_.generated ? extractor_.options.generated_root : extractor_.options.real_root;
+    if (options_.generated) how.yaw_rad = extractor_.rules.options.yaw_rad;
+    how.root = options_.generated ? extractor_.rules.options.generated_root : extractor_.rules.options.real_root;
     how.start = options_.crop == CropDraw::kFirst      ? CropStart::kFirst
                 : options_.crop == CropDraw::kReleased ? CropStart::kReleased
                                                        : CropStart::kAny;
@@ -293,7 +293,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   }
   auto extractor = Extractor::Open(options->extractor, weights->path);
   if (!extractor) return Forward(extractor);
-  if (options->frames > 0) extractor->rules.frames = static_cast<int>(options->frames);
+  if (options->frames > 0) extractor->rules.options.frames = options->frames;
   auto dataset = ReadDataset(motions->path);
   if (!dataset) return Forward(dataset);
   std::set<int> skipped;
@@ -314,7 +314,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     done = run.OfDataset(*dataset, skipped);
   }
   if (!done) return Forward(done);
-  run.set().about = nlohmann::json{{"extractor", extractor->options.name},
+  run.set().about = nlohmann::json{{"extractor", extractor->rules.options.name},
                                    {"weights", weights->sha256},
                                    {"motions", motions->sha256},
                                    {"purpose", options->purpose}}
@@ -325,9 +325,9 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
   outcome.summary = {{"motions", run.set().count()},
                      {"clips", dataset->clips.size()},
                      {"passes", run.set().passes()},
-                     {"classes", extractor->options.classes},
+                     {"classes", extractor->rules.options.classes},
                      {"unlabelled", std::count(run.set().label.begin(), run.set().label.end(), -1)},
-                     {"frames", extractor->rules.frames},
+                     {"frames", extractor->rules.frames()},
                      {"with_inferred", inferred->clips},
                      {"inferred_frames", inferred->frames},
                      {"all_inferred", inferred->all},
@@ -337,15 +337,15 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     return std::count_if(dataset->clips.begin(), dataset->clips.end(),
                          [&](const Clip& clip) { return counts(clip.motion->frame_count()); });
   };
-  const bool window = extractor->rules.length == LengthRule::kCrop;
-  outcome.summary["longer"] = window ? lengths([&](int n) { return n > extractor->rules.frames; }) : 0;
-  const bool pads = extractor->rules.padding == PaddingRule::kZerosMinusRoot;  // every motion is padded
-  outcome.summary["shorter"] = window && !pads ? lengths([&](int n) { return n < extractor->rules.frames; }) : 0;
-  const double rate = extractor->options.rate_hz;
+  const bool window = extractor->rules.options.length == LengthRule::kCrop;
+  outcome.summary["longer"] = window ? lengths([&](int n) { return n > extractor->rules.frames(); }) : 0;
+  const bool pads = extractor->rules.options.padding == PaddingRule::kZerosMinusRoot;  // every motion is padded
+  outcome.summary["shorter"] = window && !pads ? lengths([&](int n) { return n < extractor->rules.frames(); }) : 0;
+  const double rate = extractor->rules.options.rate_hz;
   outcome.summary["rate_of_extractor"] = rate;
   outcome.summary["rotations"] = !dataset->joints_only;
   outcome.summary["no_parts"] = dataset->splits.empty();
-  const bool as_given = options->generated && extractor->options.generated_root == RootRule::kAsGiven;
+  const bool as_given = options->generated && extractor->rules.options.generated_root == RootRule::kAsGiven;
   outcome.summary["far"] = 0;
   outcome.summary["facing_away"] = std::count_if(dataset->clips.begin(), dataset->clips.end(),
                                                  [](const Clip& clip) { return FacesAway(*clip.motion); });

@@ -5,29 +5,11 @@
 
 #include "core/base/text.h"
 #include "core/geometry/axes.h"
-#include "core/motion/operations.h"
 #include "core/motion/preparation.h"
+#include "train/recognisers/recogniser_input.h"
 
 namespace mocurate {
 namespace {
-
-/// Evenly spaced in time, first and last frame kept; a single frame is repeated.
-JointPositions Resampled(const Motion& motion, int frames) {
-  if (motion.frame_count() == frames) return motion.joints;
-  JointPositions resampled(frames, motion.joint_count());
-  if (motion.frame_count() < 2) {
-    for (int f = 0; f < frames; ++f) {
-      std::copy(motion.joints.xyz.begin(), motion.joints.xyz.end(),
-                resampled.xyz.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count() * 3);
-    }
-    return resampled;
-  }
-  Motion joints_only;
-  joints_only.skeleton = motion.skeleton;
-  joints_only.rate = motion.rate;
-  joints_only.joints = motion.joints;
-  return ResampleToCount(joints_only, frames).joints;
-}
 
 int FirstFrame(int frame_count, int frames, CropStart start, Random& random) {
   if (frame_count <= frames || start == CropStart::kFirst) return 0;
@@ -42,15 +24,7 @@ Expected<InputRules> RulesOf(const ExtractorOptions& options) {
   if (!skeleton) return Forward(skeleton);
   const Expected<AxisConvention> axes = AxisConvention::Parse(options.axes);
   if (!axes) return Forward(axes);
-  InputRules rules;
-  rules.skeleton = *skeleton;
-  rules.unit_from_metres = axes->canonical_from_source.transpose() / options.metres_per_unit;
-  rules.frames = static_cast<int>(options.frames);
-  rules.length = options.length;
-  rules.padding = options.padding;
-  rules.read_out = options.read_out;
-  rules.values = options.values;
-  return rules;
+  return InputRules{options, *skeleton, axes->canonical_from_source.transpose() / options.metres_per_unit};
 }
 
 Expected<std::vector<int>> JointsFor(const Skeleton& network, const Skeleton& motion) {
@@ -94,7 +68,7 @@ int WriteRotations(const InputRules& rules, const std::vector<int>& joints, cons
                    float* values) {
   const int last = motion.frame_count() - 1;
   const Matrix3d turn = rules.unit_from_metres / std::cbrt(std::abs(rules.unit_from_metres.determinant()));
-  for (int f = 0; f < rules.frames; ++f) {
+  for (int f = 0; f < rules.frames(); ++f) {
     const int frame = std::min(begin + f, last);
     for (std::size_t k = rules.root_rotation ? 0 : 1; k < joints.size(); ++k) {
       Matrix3d rotation = motion.rotation_at(frame, joints[k]).toRotationMatrix();
@@ -102,27 +76,28 @@ int WriteRotations(const InputRules& rules, const std::vector<int>& joints, cons
       for (const double value : Matrix6D(rotation, Rotation6D::kRows)) *values++ = static_cast<float>(value);
     }
   }
-  return rules.frames;
+  return rules.frames();
 }
 
 }  // namespace
 
 int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, const Motion& motion, RootRule root,
                      CropStart start, Random& random, float* values) {
-  if (rules.values != ExtractorValues::kJoints) {
-    return WriteRotations(rules, joints, motion, FirstFrame(motion.frame_count(), rules.frames, start, random), values);
+  if (rules.options.values != ExtractorValues::kJoints) {
+    return WriteRotations(rules, joints, motion, FirstFrame(motion.frame_count(), rules.frames(), start, random),
+                          values);
   }
-  const bool whole = rules.length == LengthRule::kResample;
-  const JointPositions resampled = whole ? Resampled(motion, rules.frames) : JointPositions();
+  const bool whole = rules.options.length == LengthRule::kResample;
+  const JointPositions resampled = whole ? ResampledJoints(motion, rules.frames()) : JointPositions();
   const JointPositions& source = whole ? resampled : motion.joints;
-  const int begin = FirstFrame(source.frames, rules.frames, start, random);
-  const int valid = std::min(rules.frames, source.frames - begin);
-  const bool repeats = rules.padding == PaddingRule::kRepeatLast;
+  const int begin = FirstFrame(source.frames, rules.frames(), start, random);
+  const int valid = std::min(rules.frames(), source.frames - begin);
+  const bool repeats = rules.options.padding == PaddingRule::kRepeatLast;
   const auto place = [&](int frame, std::size_t k) -> Vector3d {
     return rules.unit_from_metres * Vector3d(source.at(begin + frame, joints[k]));
   };
   const Vector3d first_root = place(0, 0);
-  for (int f = 0; f < rules.frames; ++f) {
+  for (int f = 0; f < rules.frames(); ++f) {
     const bool pad = f >= valid;
     const int read = std::min(f, valid - 1);
     Vector3d origin = Vector3d::Zero();
@@ -132,13 +107,13 @@ int WriteMotionInput(const InputRules& rules, const std::vector<int>& joints, co
       Vector3d value = Vector3d::Zero();
       if (!pad || repeats) {
         value = place(read, k) - origin;
-      } else if (rules.padding == PaddingRule::kZerosMinusRoot) {
+      } else if (rules.options.padding == PaddingRule::kZerosMinusRoot) {
         value = -origin;
       }
       for (int axis = 0; axis < 3; ++axis) *values++ = static_cast<float>(value[axis]);
     }
   }
-  return rules.read_out == ReadOut::kLastValid ? valid : rules.frames;
+  return rules.options.read_out == ReadOut::kLastValid ? valid : rules.frames();
 }
 
 }  // namespace mocurate

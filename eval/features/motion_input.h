@@ -5,7 +5,7 @@
 
 #include "core/base/random.h"
 #include "core/motion/motion.h"
-#include "eval/features/extractor_options.h"
+#include "eval/options.h"
 
 namespace mocurate {
 
@@ -18,18 +18,15 @@ enum class CropStart {
 
 /// Conversion of motions to a network's input; one value for all motions of an extractor.
 struct InputRules {
+  ExtractorOptions options;
   SkeletonPtr skeleton;                              ///< of the network
   Matrix3d unit_from_metres = Matrix3d::Identity();  ///< to the network's axes and unit
-  int frames = 60;
-  LengthRule length = LengthRule::kCrop;
-  PaddingRule padding = PaddingRule::kRepeatLast;
-  ReadOut read_out = ReadOut::kLastFrame;
-  ExtractorValues values = ExtractorValues::kJoints;
-  bool root_rotation = true;  ///< rotations include the root's
+  bool root_rotation = true;                         ///< rotations include the root's
 
+  int frames() const { return static_cast<int>(options.frames); }
   int size() const {
-    return values == ExtractorValues::kJoints ? 3 * skeleton->joint_count()
-                                              : 6 * (skeleton->joint_count() - (root_rotation ? 0 : 1));
+    return options.values == ExtractorValues::kJoints ? 3 * skeleton->joint_count()
+                                                      : 6 * (skeleton->joint_count() - (root_rotation ? 0 : 1));
   }
 };
 

@@ -24,7 +24,7 @@ Motion Counting(int frames) {
 InputRules Rules(int frames) {
   InputRules rules;
   rules.skeleton = SmallSkeleton();
-  rules.frames = frames;
+  rules.options.frames = frames;
   return rules;
 }
 
@@ -43,7 +43,7 @@ Input InputOf(const InputRules& rules, const Motion& motion, RootRule root, Crop
   Random random(3, "crop", "0");
   const auto joints = JointsFor(*rules.skeleton, *motion.skeleton);
   EXPECT_TRUE(joints) << joints.error().Message();
-  input.values.resize(static_cast<std::size_t>(rules.frames * rules.size()));
+  input.values.resize(static_cast<std::size_t>(rules.frames() * rules.size()));
   input.read_out = WriteMotionInput(rules, *joints, motion, root, start, random, input.values.data());
   return input;
 }
@@ -111,7 +111,7 @@ TEST(MotionInput, IsWhatARecogniserOfOursWasTrainedOn) {
     const Motion motion = Counting(frames);
     for (const auto kind : {RecogniserInputKind::kCrop, RecogniserInputKind::kResample}) {
       InputRules rules = Rules(12);
-      rules.length = kind == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
+      rules.options.length = kind == RecogniserInputKind::kResample ? LengthRule::kResample : LengthRule::kCrop;
       Random random(3, "crop", "0");
       EXPECT_EQ(InputOf(rules, motion, RootRule::kFirstFrame, CropStart::kReleased).values,
                 RecogniserInput(motion, kind, 12, random))
@@ -151,13 +151,13 @@ TEST(MotionInput, PaddingFollowsTheRuleAndTheReadOutTheLastFrameOrTheLastOfTheMo
   const Motion motion = Counting(5);
   InputRules rules = Rules(8);
   EXPECT_EQ(InputOf(rules, motion, RootRule::kFirstFrame).read_out, 8);
-  rules.read_out = ReadOut::kLastValid;
+  rules.options.read_out = ReadOut::kLastValid;
   const Input repeated = InputOf(rules, motion, RootRule::kFirstFrame);
   EXPECT_EQ(repeated.read_out, 5);
   EXPECT_EQ(repeated.at(7, 2), repeated.at(4, 2));
-  rules.padding = PaddingRule::kZeros;
+  rules.options.padding = PaddingRule::kZeros;
   EXPECT_EQ(InputOf(rules, motion, RootRule::kFirstFrame).at(6, 2), Vector3d::Zero());
-  rules.padding = PaddingRule::kZerosMinusRoot;
+  rules.options.padding = PaddingRule::kZerosMinusRoot;
   const Vector3d root = motion.joints.at(0, 0);
   EXPECT_LT((InputOf(rules, motion, RootRule::kFirstFrame).at(6, 2) + root).norm(), 1e-6);
 }

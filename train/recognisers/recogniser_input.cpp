@@ -3,10 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
 #include "core/motion/preparation.h"
 
 namespace mocurate {
+
+JointPositions ResampledJoints(const Motion& motion, int frames) {
+  if (motion.frame_count() == frames) return motion.joints;
+  JointPositions resampled(frames, motion.joint_count());
+  if (motion.frame_count() < 2) {
+    for (int f = 0; f < frames; ++f) {
+      for (int j = 0; j < motion.joint_count(); ++j) resampled.at(f, j) = motion.joints.at(0, j);
+    }
+    return resampled;
+  }
+  return ResampleToCount(MakeJointsOnly(motion.skeleton, motion.rate, motion.joints), frames).joints;
+}
 
 std::vector<float> RecogniserInput(const Motion& motion, RecogniserInputKind kind, int frames, Random& random) {
   std::vector<double> values;
@@ -23,21 +36,7 @@ std::vector<float> RecogniserInput(const Motion& motion, RecogniserInputKind kin
       }
     }
   } else {
-    Motion joints_only;
-    joints_only.skeleton = motion.skeleton;
-    joints_only.rate = motion.rate;
-    joints_only.joints = motion.joints;
-    JointPositions resampled;
-    if (motion.frame_count() == frames) {
-      resampled = motion.joints;
-    } else if (motion.frame_count() >= 2) {
-      resampled = ResampleToCount(joints_only, frames).joints;
-    } else {
-      resampled = JointPositions(frames, motion.joint_count());
-      for (int f = 0; f < frames; ++f) {
-        for (int j = 0; j < motion.joint_count(); ++j) resampled.at(f, j) = motion.joints.at(0, j);
-      }
-    }
+    JointPositions resampled = ResampledJoints(motion, frames);
     const Vector3d root = resampled.at(0, 0);
     for (int f = 0; f < frames; ++f) {
       for (int j = 0; j < resampled.joints; ++j) resampled.at(f, j) -= root;

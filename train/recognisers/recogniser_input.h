@@ -8,6 +8,9 @@
 
 namespace mocurate {
 
+/// The joints evenly spaced in time, first and last frame kept; a single frame is repeated.
+JointPositions ResampledJoints(const Motion& motion, int frames);
+
 /// Input of a recogniser for a motion, (frames, 3J) float32, joint-major: all joints with the root of the first frame
 /// at the origin. kResample: the whole motion resampled to `frames`, `random` unused. kCrop: Action2Motion's window
 /// (a2m_actor.md A.7) with a start drawn from `random`. kWhole: the first frames; after the end of the motion zeros
