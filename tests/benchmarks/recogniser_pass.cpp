@@ -6,8 +6,8 @@
 #include "core/base/random.h"
 #include "tests/benchmarks/json_line.h"
 #include "tests/benchmarks/made_networks.h"
+#include "tests/train/recogniser_runs.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/recognisers/recogniser.h"
 
 int main(int argc, char** argv) {
   using namespace mocurate;
@@ -30,6 +30,6 @@ int main(int argc, char** argv) {
   const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
   benchmarks::Report(
       "recogniser_pass", 3000, "motions", argc > 1 ? std::atoi(argv[1]) : 3,
-      [&] { (void)(*recogniser)->Run(motions.data(), 3000, 60, 72, hidden, {}, threads); }, threads);
+      [&] { (void)RunOn(**recogniser, motions, 3000, 60, 72, hidden, {}, threads); }, threads);
   return 0;
 }

@@ -18,7 +18,9 @@
 #include "eval/metrics/interval.h"
 #include "tests/support/folders.h"
 #include "tests/support/golden.h"
-#include "train/recognisers/recogniser.h"
+#include "tests/train/recogniser_runs.h"
+#include "train/checkpoint/checkpoint.h"
+#include "train/recognisers/gru_pass.h"
 
 namespace mocurate {
 namespace {
@@ -223,20 +225,25 @@ Rows ExtractorRows() {
   Rows rows;
   for (const PublishedSet& set : kSets) {
     const auto recogniser = WeightsOf(set);
+    const auto released = ReadReleasedWeights(golden::PathOf("published/" + set.weights), kGruRecogniserKind);
+    EXPECT_TRUE(released) << released.error().Message();
+    const GruPass pass({set.size, set.classes}, released->parameters);
     Deviation logits{"logits of " + set.extractor, "recogniser.h5 " + set.data, 5e-5};
     Deviation features{"features of " + set.extractor, "recogniser.h5 " + set.data, 5e-5};
     std::vector<float> motions = MotionsOf(set);
     const auto compare = [&](const std::string& group, const std::string& start, const std::vector<int>& lengths) {
-      RecogniserHidden hidden;
-      if (start == "h0_randn") hidden.given = file.Floats(set.data + "/h0_randn_hidden").values;
-      const auto output = recogniser->Run(motions.data(), 20, set.frames, set.size, hidden, lengths);
+      auto output = RunOn(*recogniser, motions, 20, set.frames, set.size, {}, lengths);
       ASSERT_TRUE(output) << output.error().Message();
+      if (start == "h0_randn") {
+        const std::vector<float> drawn = file.Floats(set.data + "/h0_randn_hidden").values;
+        pass.Run(motions.data(), 20, set.frames, lengths, drawn.data(), output->features.data(), output->logits.data());
+      }
       const std::string at = group + "/" + start;
       logits.Compare(output->logits, file.Floats(at + "/logits").values);
       features.Compare(output->features, file.Floats(at + "/features30").values);
       if (!lengths.empty()) return;
       const auto predicted = file.Integers(at + "/pred");
-      for (int i = 0; i < 20; ++i) EXPECT_EQ(output->Predicted(i), predicted[static_cast<std::size_t>(i)]) << at;
+      for (int i = 0; i < 20; ++i) EXPECT_EQ(Predicted(*output, i), predicted[static_cast<std::size_t>(i)]) << at;
     };
     for (const std::string start : {"h0_zero", "h0_randn"}) {
       if (&set != kSets) continue;
@@ -261,7 +268,7 @@ Rows ExtractorRows() {
 TEST(Extractors, RefuseMotionsOfAnotherSkeleton) {
   MOCURATE_NEEDS_GOLDENS();
   const std::vector<float> motion(60 * 54, 0.0f);
-  const auto output = WeightsOf(kSets[0])->Run(motion.data(), 1, 60, 54);
+  const auto output = RunOn(*WeightsOf(kSets[0]), motion, 1, 60, 54);
   ASSERT_FALSE(output);
   EXPECT_EQ(output.error().code, ErrorCode::kInconsistent);
 }

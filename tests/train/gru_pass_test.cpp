@@ -60,9 +60,8 @@ TEST_P(GruPassOf, IsTheTrainingNetworksOutput) {
     }
     const std::vector<int> read_out(lengths.begin() + begin, lengths.begin() + end);
     const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * D;
-    pass.Run({data.data() + begin * stride, stride, D}, end - begin, frames, read_out,
-             with_hidden ? hidden.data() : nullptr, features.data() + begin * config.features,
-             logits.data() + begin * config.classes);
+    pass.Run(data.data() + begin * stride, end - begin, frames, read_out, with_hidden ? hidden.data() : nullptr,
+             features.data() + begin * config.features, logits.data() + begin * config.classes);
   }
   for (int n = 0; n < motions; ++n) {
     const int length = lengths[static_cast<std::size_t>(n)];

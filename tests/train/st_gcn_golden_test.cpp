@@ -6,8 +6,8 @@
 
 #include "tests/support/scratch_folder.h"
 #include "tests/train/network_parity.h"
+#include "tests/train/recogniser_runs.h"
 #include "train/checkpoint/checkpoint.h"
-#include "train/recognisers/recogniser.h"
 
 namespace mocurate {
 namespace {
@@ -112,7 +112,7 @@ TEST_P(StGcnGolden, FeaturesLossAndGradientsAreTheReleasedOnes) {
     }
   }
   const auto output =
-      (*recogniser)->Run(motions.data(), static_cast<int>(B), static_cast<int>(T), static_cast<int>(R), {}, {}, 2);
+      RunOn(**recogniser, motions, static_cast<int>(B), static_cast<int>(T), static_cast<int>(R), {}, {}, 2);
   ASSERT_TRUE(output) << output.error().Message();
   EXPECT_LE(WorstDifference(output->features, file.Floats(group + "/eval/features").values), 5e-6);
   EXPECT_LE(WorstDifference(output->logits, file.Floats(group + "/eval/yhat").values), 5e-6);

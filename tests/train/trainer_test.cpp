@@ -12,10 +12,10 @@
 
 #include "core/base/file.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/train/recogniser_runs.h"
 #include "tests/train/toy_dataset.h"
 #include "train/data/batches.h"
 #include "train/generators/motion_generator.h"
-#include "train/recognisers/recogniser.h"
 #include "train/recognisers/recogniser_input.h"
 
 namespace mocurate {
@@ -173,8 +173,8 @@ double TestAccuracy(const Dataset& dataset, const std::filesystem::path& path) {
     const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
     const std::vector<float> input =
         RecogniserInput(*clip.motion, (*recogniser)->input_kind(), (*recogniser)->input_frames(), random);
-    const auto output = (*recogniser)->Run(input.data(), 1, (*recogniser)->input_frames(), 15);
-    right += output->Predicted(0) == dataset.LabelIndex(clip.label) ? 1.0 : 0.0;
+    const auto output = RunOn(**recogniser, input, 1, (*recogniser)->input_frames(), 15);
+    right += Predicted(*output, 0) == dataset.LabelIndex(clip.label) ? 1.0 : 0.0;
   }
   return right / static_cast<double>(dataset.splits[0].test.size());
 }

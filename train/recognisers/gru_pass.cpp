@@ -71,8 +71,8 @@ GruPass::GruPass(const GruRecogniserConfig& config, const ParameterList& paramet
   bias2_ = Named(parameters, "linear2.bias");
 }
 
-void GruPass::Run(const MotionArray& motions, int count, int frames, const std::vector<int>& read_out,
-                  const float* hidden, float* features, float* logits) const {
+void GruPass::Run(const float* motions, int count, int frames, const std::vector<int>& read_out, const float* hidden,
+                  float* features, float* logits) const {
   const int B = count, H = config_.hidden, D = config_.input, F = config_.features, C = config_.classes;
   const std::size_t cells = static_cast<std::size_t>(B) * H;
   // Per layer (B, input + H): what the layer reads, then its state. The top layer's state lies in `top`, too.
@@ -88,7 +88,7 @@ void GruPass::Run(const MotionArray& motions, int count, int frames, const std::
   std::vector<float> top(cells), read(cells), reset_update(2 * cells), candidate_input(cells), candidate_state(cells);
   for (int t = 0; t < frames; ++t) {
     for (int b = 0; b < B; ++b) {
-      const float* frame = motions.data + b * motions.motion_stride + t * motions.frame_stride;
+      const float* frame = motions + (static_cast<std::ptrdiff_t>(b) * frames + t) * D;
       std::copy(frame, frame + D, rows[0].data() + static_cast<std::size_t>(b) * (D + H));
     }
     for (std::size_t l = 0; l < layers_.size(); ++l) {

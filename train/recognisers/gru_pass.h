@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "train/checkpoint/parameters.h"
@@ -21,14 +20,6 @@ struct GruRecogniserConfig {
 /// Names and shapes of its parameters, without values.
 ParameterList GruRecogniserParameters(const GruRecogniserConfig& config);
 
-/// Memory layout of a set of motions: frame t of motion n starts at data + n * motion_stride + t *
-/// frame_stride.
-struct MotionArray {
-  const float* data = nullptr;
-  std::ptrdiff_t motion_stride = 0;
-  std::ptrdiff_t frame_stride = 0;
-};
-
 /// The recogniser without gradients: the layers of a chunk of motions advance frame by frame, so that what a frame
 /// needs stays in the second-level cache; matrix products by BLAS, gates by GruGates. The network that is trained
 /// (GruRecogniser, libtorch) is its reference.
@@ -38,10 +29,10 @@ class GruPass {
   /// `parameters` as GruRecogniserParameters lists them.
   GruPass(const GruRecogniserConfig& config, const ParameterList& parameters);
 
-  /// `count` motions of T frames. `read_out` (count): frames after which a motion's state counts, or empty: T. `hidden`
-  /// (layers, count, H): initial states, or null: zero. Writes `features` (count, features) and `logits` (count,
-  /// classes). Safe to call from several threads at once.
-  void Run(const MotionArray& motions, int count, int frames, const std::vector<int>& read_out, const float* hidden,
+  /// `motions` (count, frames, input). `read_out` (count): frames after which a motion's state counts, or empty: all.
+  /// `hidden` (layers, count, H): initial states, or null: zero. Writes `features` (count, features) and `logits`
+  /// (count, classes). Safe to call from several threads at once.
+  void Run(const float* motions, int count, int frames, const std::vector<int>& read_out, const float* hidden,
            float* features, float* logits) const;
 
  private:

@@ -1,6 +1,5 @@
 #include "train/recognisers/recogniser.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -85,18 +84,10 @@ Status Build(const ParameterList& stored, const std::string& where, GruRecognise
   return {};
 }
 
-// Rows [begin, begin + count) of (layers,n,H), or drawn ones.
-std::vector<float> HiddenOf(const RecogniserHidden& hidden, int layers, int begin, int count, int total, int size) {
-  if (hidden.given.empty() && hidden.kind == InitialHidden::kZero) return {};
+// States (layers,count,H) of motions from `begin` on; empty: zero.
+std::vector<float> HiddenOf(const RecogniserHidden& hidden, int layers, int begin, int count, int size) {
+  if (hidden.kind == InitialHidden::kZero) return {};
   std::vector<float> rows(static_cast<std::size_t>(layers) * count * size);
-  if (!hidden.given.empty()) {
-    for (int layer = 0; layer < layers; ++layer) {
-      const auto first = hidden.given.begin() + (static_cast<std::ptrdiff_t>(layer) * total + begin) * size;
-      std::copy(first, first + static_cast<std::ptrdiff_t>(count) * size,
-                rows.begin() + static_cast<std::ptrdiff_t>(layer) * count * size);
-    }
-    return rows;
-  }
   for (int b = 0; b < count; ++b) {
     Random random(hidden.seed, "recogniser.hidden", std::to_string(begin + b));
     for (int layer = 0; layer < layers; ++layer) {
@@ -109,11 +100,6 @@ std::vector<float> HiddenOf(const RecogniserHidden& hidden, int layers, int begi
 }
 
 }  // namespace
-
-int RecogniserOutput::Predicted(int index) const {
-  const float* row = logits.data() + static_cast<std::size_t>(index) * classes;
-  return static_cast<int>(std::max_element(row, row + classes) - row);
-}
 
 Recogniser::Recogniser(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Recogniser::~Recogniser() = default;
@@ -159,14 +145,10 @@ Expected<std::unique_ptr<Recogniser>> Recogniser::LoadPublished(const std::files
       ReadReleasedWeights(path, skeleton != nullptr ? kStGcnKind : kGruRecogniserKind);
   if (!released) return Forward(released);
   auto impl = std::make_unique<Impl>();
-  if (skeleton != nullptr) {
-    const Status built = BuildGraph(released->parameters, *skeleton, DisplayPath(path), impl->graph, impl->config);
-    if (!built) return Forward(built);
-    return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
-  }
-  if (Status built = Build(released->parameters, DisplayPath(path), impl->config, impl->parameters); !built) {
-    return Forward(built);
-  }
+  const std::string where = DisplayPath(path);
+  Status built = skeleton != nullptr ? BuildGraph(released->parameters, *skeleton, where, impl->graph, impl->config)
+                                     : Build(released->parameters, where, impl->config, impl->parameters);
+  if (!built) return Forward(built);
   return std::unique_ptr<Recogniser>(new Recogniser(std::move(impl)));
 }
 
@@ -178,10 +160,6 @@ Expected<RecogniserOutput> Recogniser::Run(const MotionWriter& write, int count,
                 "motions have " + std::to_string(dim) + " numbers per frame, the recogniser was trained on " +
                     std::to_string(config.input),
                 "recogniser", "use the skeleton it was trained on");
-  }
-  if (frames < 1 || (!hidden.given.empty() &&
-                     hidden.given.size() != static_cast<std::size_t>(config.layers) * count * config.hidden)) {
-    return Fail(ErrorCode::kInconsistent, "frames or initial state do not match the motions", "recogniser");
   }
   RecogniserOutput output;
   output.count = count;
@@ -208,34 +186,17 @@ Expected<RecogniserOutput> Recogniser::Run(const MotionWriter& write, int count,
     const std::unique_ptr<float[]> values(new float[static_cast<std::size_t>((end - begin) * stride)]);
     std::vector<int> read_out(static_cast<std::size_t>(end - begin));
     write(begin, end, values.get(), read_out.data());
-    const std::vector<float> state = HiddenOf(hidden, config.layers, begin, end - begin, count, config.hidden);
-    pass.Run({values.get(), stride, dim}, end - begin, frames, read_out, state.empty() ? nullptr : state.data(),
+    const std::vector<float> state = HiddenOf(hidden, config.layers, begin, end - begin, config.hidden);
+    pass.Run(values.get(), end - begin, frames, read_out, state.empty() ? nullptr : state.data(),
              output.features.data() + static_cast<std::ptrdiff_t>(begin) * config.features,
              output.logits.data() + static_cast<std::ptrdiff_t>(begin) * config.classes);
   });
   return output;
 }
 
-Expected<RecogniserOutput> Recogniser::Run(const float* motions, int count, int frames, int dim,
-                                           const RecogniserHidden& hidden, const std::vector<int>& lengths,
-                                           int threads) const {
-  const bool lengths_fit =
-      lengths.empty() || (static_cast<int>(lengths.size()) == count &&
-                          std::all_of(lengths.begin(), lengths.end(), [&](int n) { return n >= 1 && n <= frames; }));
-  if (!lengths_fit) return Fail(ErrorCode::kInconsistent, "lengths do not match the motions", "recogniser");
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(frames) * dim;
-  const auto copy = [&](int begin, int end, float* values, int* read_out) {
-    std::copy(motions + begin * stride, motions + end * stride, values);
-    for (int n = begin; n < end; ++n)
-      read_out[n - begin] = lengths.empty() ? frames : lengths[static_cast<std::size_t>(n)];
-  };
-  return Run(copy, count, frames, dim, hidden, threads);
-}
-
 bool Recogniser::reads_rotations() const { return impl_->graph.has_value(); }
 int Recogniser::input_size() const { return impl_->config.input; }
 int Recogniser::class_count() const { return impl_->config.classes; }
-int Recogniser::hidden_size() const { return impl_->config.hidden; }
 SkeletonPtr Recogniser::skeleton() const { return impl_->skeleton; }
 const std::string& Recogniser::dataset_sha256() const { return impl_->dataset_sha256; }
 const std::vector<std::string>& Recogniser::labels() const { return impl_->labels; }

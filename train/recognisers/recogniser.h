@@ -20,9 +20,6 @@ struct RecogniserOutput {
   int feature_size = 30;
   std::vector<float> features;
   std::vector<float> logits;
-
-  /// Class with the largest logit.
-  int Predicted(int index) const;
 };
 
 /// Initial recurrent state of a pass. Zero for reproducible results; normal as in the released code (a2m_actor.md F5),
@@ -30,7 +27,6 @@ struct RecogniserOutput {
 struct RecogniserHidden {
   InitialHidden kind = InitialHidden::kZero;
   std::uint64_t seed = 0;
-  std::vector<float> given;  ///< (layers,n,hidden), used unchanged when not empty
 };
 
 /// Writes motions [begin, end) as (end - begin, frames, dim) float32, and for each the frame whose output is used.
@@ -52,17 +48,11 @@ class Recogniser {
   /// `threads`, which do not change the result.
   Expected<RecogniserOutput> Run(const MotionWriter& write, int count, int frames, int dim,
                                  const RecogniserHidden& hidden = {}, int threads = 1) const;
-  /// The same of motions (count, frames, dim) in memory. `lengths` (count), if given: the output after that many frames
-  /// counts, else the last.
-  Expected<RecogniserOutput> Run(const float* motions, int count, int frames, int dim,
-                                 const RecogniserHidden& hidden = {}, const std::vector<int>& lengths = {},
-                                 int threads = 1) const;
 
   int input_size() const;
   /// Whether a frame is the rotations of the joints (6 numbers each, first two rows), with the root's or without.
   bool reads_rotations() const;
   int class_count() const;
-  int hidden_size() const;
   /// Of the training data; null for published weights.
   SkeletonPtr skeleton() const;
   /// SHA-256 of the training data; empty for published weights.
