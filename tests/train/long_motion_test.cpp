@@ -11,6 +11,7 @@
 #include "core/motion/operations.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/train/toy_dataset.h"
+#include "train/checkpoint/checkpoint.h"
 #include "train/trainer/trainer.h"
 
 namespace mocurate {
@@ -234,9 +235,11 @@ TEST_F(LongMotion, RefusesWhatItsNetworksCannotAnswer) {
 }
 
 TEST_F(LongMotion, KeepsUsualLengthsOfEachClass) {
-  const auto network = Load("macvae");
-  ASSERT_EQ(network->usual_lengths().size(), 3u);
-  EXPECT_EQ(network->usual_lengths()[0].transition_frames, 4);
+  const auto network = ReadCheckpoint(folder_ / "macvae.h5");
+  ASSERT_TRUE(network);
+  const nlohmann::json& usual = network->facts.at("part_frames");
+  ASSERT_EQ(usual.size(), 3u);
+  EXPECT_EQ(usual[0][0], 4);
   double sum = 0.0, count = 0.0;
   for (const int row : samples_.splits[0].train) {
     const Clip& clip = samples_.clips[static_cast<std::size_t>(row)];
@@ -244,7 +247,7 @@ TEST_F(LongMotion, KeepsUsualLengthsOfEachClass) {
     sum += PartsOf(clip)->frames[2];
     ++count;
   }
-  EXPECT_EQ(network->usual_lengths()[0].frames, static_cast<int>(sum / count));
+  EXPECT_EQ(usual[0][1], static_cast<int>(sum / count));
 }
 
 TEST(TrainingSamples, HaveWordsInAnOrderThatNoClipMoves) {

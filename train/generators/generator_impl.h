@@ -19,7 +19,6 @@ struct MotionGenerator::Impl {
   std::vector<std::vector<double>> first_poses;  ///< of each class, for networks that start from one
   std::vector<Vector3d> rest_offset;             ///< median of the training set; empty: the network outputs joints only
   Matrix3d rest_axes = Matrix3d::Identity();     ///< of the rest pose: left, up, forward
-  std::vector<MotionGenerator::UsualLength> usual_lengths;  ///< of each class; for networks trained on parts
 
   Status Check(const MotionRequest& request, std::size_t index) const;
   /// Continuations as network input; `network_from_world` receives the pose of each.

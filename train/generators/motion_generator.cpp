@@ -42,21 +42,6 @@ Expected<std::vector<Vector3d>> RestOffsetOf(const Checkpoint& checkpoint, const
               "train again");
 }
 
-/// Mean lengths of the parts of each class, for networks trained on parts.
-Status ReadUsualLengths(const Checkpoint& checkpoint, const std::string& where,
-                        std::vector<MotionGenerator::UsualLength>& lengths) {
-  const nlohmann::json rows = checkpoint.facts.value("part_frames", nlohmann::json::array());
-  for (const nlohmann::json& row : rows) {
-    const auto count = [&](std::size_t column) -> std::int64_t {
-      return row.is_array() && row.size() == 2 && row[column].is_number_integer() ? row[column].get<std::int64_t>() : 0;
-    };
-    if (count(0) < 1 || count(1) < 1 || count(0) > kMostFrames || count(1) > kMostFrames) break;
-    lengths.push_back({static_cast<int>(count(0)), static_cast<int>(count(1))});
-  }
-  if (lengths.size() == rows.size() && (rows.empty() || rows.size() == checkpoint.labels.size())) return {};
-  return Fail(ErrorCode::kMalformed, "facts.part_frames does not have two counts per class", where, "train again");
-}
-
 /// The skeleton with bones of these lengths along the rest offsets.
 SkeletonPtr WithBones(const SkeletonPtr& skeleton, const std::vector<Vector3d>& rest_offset,
                       const std::vector<double>& lengths) {
@@ -209,7 +194,6 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   impl->labels = checkpoint->labels;
   impl->rate = *rate;
   impl->rest_axes = RestAxes(*impl->skeleton);
-  if (Status read = ReadUsualLengths(*checkpoint, where, impl->usual_lengths); !read) return Forward(read);
   const auto joints = static_cast<std::size_t>(impl->skeleton->joint_count());
   impl->bone_length = checkpoint->facts.value("bone_length", impl->skeleton->RestBoneLengths());
   impl->first_poses = checkpoint->facts.value("first_pose", std::vector<std::vector<double>>());
@@ -337,7 +321,5 @@ const NetworkOptions& MotionGenerator::options() const { return impl_->options; 
 SkeletonPtr MotionGenerator::skeleton() const { return impl_->skeleton; }
 FrameRate MotionGenerator::rate() const { return impl_->rate; }
 const std::vector<std::string>& MotionGenerator::labels() const { return impl_->labels; }
-const std::vector<MotionGenerator::UsualLength>& MotionGenerator::usual_lengths() const { return impl_->usual_lengths; }
-int MotionGenerator::training_frames() const { return static_cast<int>(impl_->options.data.frames); }
 
 }  // namespace mocurate

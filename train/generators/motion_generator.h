@@ -58,22 +58,12 @@ class MotionGenerator {
   Status CheckContinuation(int label, int previous_frames, int transition_frames, int frames,
                            const std::string& where) const;
 
-  /// Mean frames of the transition to a class and of its action in the training set, truncated (multiact.md A.4); of a
-  /// class without samples those of all.
-  struct UsualLength {
-    int transition_frames = 0;
-    int frames = 0;
-  };
-  const std::vector<UsualLength>& usual_lengths() const;
-
   /// Options of its training.
   const NetworkOptions& options() const;
 
   SkeletonPtr skeleton() const;
   FrameRate rate() const;
   const std::vector<std::string>& labels() const;
-  /// Frames it was trained on.
-  int training_frames() const;
 
  private:
   struct Impl;
