@@ -56,13 +56,7 @@ class Training {
       : set_(set), options_(options), control_(control), recognises_(options.recognises()) {}
 
   Expected<Checkpoint> Run() {
-    if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
-    KeepFreedMemory();
-    torch::set_num_threads(1);  // one thread per shard; the result must not depend on a thread count
-    auto rows =
-        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
-    if (!rows) return Forward(rows);
-    rows_ = std::move(*rows);
+    if (Status ready = Prepare(); !ready) return Forward(ready);
     if (Status fit = CheckSamples(); !fit) return Forward(fit);
     if (!control_.weights.empty()) return TakeReleasedWeights();
     if (options_.NeedsBody() && control_.skin == nullptr) {
@@ -89,13 +83,8 @@ class Training {
 
   /// Runs a few steps of a new training, at its beginning and in its middle: a GAN's stages have different costs.
   Expected<TrainingCost> Measure() {
-    if (Status there = CheckDevice(options_.learning.device); !there) return Forward(there);
+    if (Status ready = Prepare(); !ready) return Forward(ready);
     constexpr int kParts = 2, kMeasured = 5;  // 5: the critic's steps to one of the generator (Gulrajani et al. 2017)
-    torch::set_num_threads(1);
-    auto rows =
-        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
-    if (!rows) return Forward(rows);
-    rows_ = std::move(*rows);
     StartRound(0);
     TrainingCost cost;
     cost.steps = until_ * (recognises_ && options_.recogniser.refit ? 2 : 1);
@@ -115,6 +104,17 @@ class Training {
   }
 
  private:
+  Status Prepare() {
+    if (Status there = CheckDevice(options_.learning.device); !there) return there;
+    KeepFreedMemory();
+    torch::set_num_threads(1);  // one thread per shard; the result must not depend on a thread count
+    auto rows =
+        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
+    if (!rows) return Forward(rows);
+    rows_ = std::move(*rows);
+    return {};
+  }
+
   /// Samples of parts are padded, never cut.
   Status CheckSamples() const {
     if (!options_.NeedsParts()) return {};
@@ -297,13 +297,11 @@ class Training {
                           : MakeMotionRows(set_, options_.data, rows, options_.seed(), key, augment);
     const auto B = static_cast<std::int64_t>(rows.size());
     Batch batch;
-    batch.motion = torch::from_blob(made.motion.data(), {made.frames, B, 3 * set_.skeleton->joint_count()}).clone();
-    batch.label = torch::from_blob(made.label.data(), {B}, torch::kInt64).clone();
-    batch.motion = batch.motion.to(device());
-    batch.label = batch.label.to(device());
+    const std::int64_t J = set_.skeleton->joint_count();
+    batch.motion = torch::from_blob(made.motion.data(), {made.frames, B, 3 * J}).clone().to(device());
+    batch.label = torch::from_blob(made.label.data(), {B}, torch::kInt64).clone().to(device());
     batch.whole = B;
     if (!made.rotation.empty()) {
-      const std::int64_t J = set_.skeleton->joint_count();
       batch.rotation = torch::from_blob(made.rotation.data(), {made.frames, B, J, 3, 3}).clone().to(device());
     }
     if (!made.parts.empty()) {
@@ -524,7 +522,8 @@ class Training {
     state_.facts["best_loss"] = best_.loss;
   }
 
-  /// Typical length of transition and action of each class: means over its training samples, truncated.
+  /// Mean frames of the transition to a class and of its action in the training set, truncated (multiact.md A.4); of a
+  /// class without samples those of all.
   void StoreUsualLengths() {
     std::vector<std::array<double, 3>> sums(set_.labels.size() + 1, {0.0, 0.0, 0.0});
     for (const int row : rows_.train) {
