@@ -7,23 +7,15 @@ namespace mocurate {
 
 using torch::Tensor;
 
-namespace {
-
-torch::nn::LayerNorm NormOf(std::int64_t width, double epsilon) {
-  return torch::nn::LayerNorm(torch::nn::LayerNormOptions({width}).eps(epsilon));
-}
-
-}  // namespace
-
-TransformerLayerImpl::TransformerLayerImpl(const TransformerSizes& sizes, bool decodes) {
-  constexpr double kEpsilon = 1e-5;
+LayerModules::LayerModules(const TransformerSizes& sizes, bool decodes, double epsilon) {
+  const auto norm = torch::nn::LayerNormOptions({sizes.width}).eps(epsilon);
   self_attn = register_module("self_attn", Attention(sizes.width, sizes.heads));
   if (decodes) multihead_attn = register_module("multihead_attn", Attention(sizes.width, sizes.heads));
   linear1 = register_module("linear1", torch::nn::Linear(sizes.width, sizes.feed_forward));
   linear2 = register_module("linear2", torch::nn::Linear(sizes.feed_forward, sizes.width));
-  norm1 = register_module("norm1", NormOf(sizes.width, kEpsilon));
-  norm2 = register_module("norm2", NormOf(sizes.width, kEpsilon));
-  if (decodes) norm3 = register_module("norm3", NormOf(sizes.width, kEpsilon));
+  norm1 = register_module("norm1", torch::nn::LayerNorm(norm));
+  norm2 = register_module("norm2", torch::nn::LayerNorm(norm));
+  if (decodes) norm3 = register_module("norm3", torch::nn::LayerNorm(norm));
 }
 
 Tensor TransformerLayerImpl::forward(Tensor x, const Tensor& padded, const Tensor& memory, Dropout& dropout) {
@@ -55,17 +47,6 @@ TransformerStackImpl::TransformerStackImpl(const TransformerSizes& sizes, bool d
 Tensor TransformerStackImpl::forward(Tensor x, const Tensor& padded, const Tensor& memory, Dropout& dropout) {
   for (TransformerLayer& layer : layers) x = layer->forward(x, padded, memory, dropout);
   return x;
-}
-
-CausalLayerImpl::CausalLayerImpl(const TransformerSizes& sizes) {
-  constexpr double kEpsilon = 1e-6;
-  self_attn = register_module("self_attn", Attention(sizes.width, sizes.heads));
-  multihead_attn = register_module("multihead_attn", Attention(sizes.width, sizes.heads));
-  linear1 = register_module("linear1", torch::nn::Linear(sizes.width, sizes.feed_forward));
-  linear2 = register_module("linear2", torch::nn::Linear(sizes.feed_forward, sizes.width));
-  norm1 = register_module("norm1", NormOf(sizes.width, kEpsilon));
-  norm2 = register_module("norm2", NormOf(sizes.width, kEpsilon));
-  norm3 = register_module("norm3", NormOf(sizes.width, kEpsilon));
 }
 
 Tensor CausalLayerImpl::Between(const Tensor& x, Dropout& dropout) {

@@ -16,21 +16,26 @@ struct TransformerSizes {
   std::int64_t layers = 8;
 };
 
+/// Modules of a layer with PyTorch's names; `multihead_attn` and `norm3` of decoders alone.
+struct LayerModules : torch::nn::Module {
+  LayerModules(const TransformerSizes& sizes, bool decodes, double epsilon);
+
+  Attention self_attn{nullptr}, multihead_attn{nullptr};
+  torch::nn::Linear linear1{nullptr}, linear2{nullptr};
+  torch::nn::LayerNorm norm1{nullptr}, norm2{nullptr}, norm3{nullptr};
+};
+
 /// PyTorch's TransformerEncoderLayer and TransformerDecoderLayer, norm after the sum, exact GELU, with their names.
 ///
 ///   x = norm1(x + drop(self_attn(x)))
 ///   decoder: x = norm2(x + drop(multihead_attn(x, memory)))
 ///   x = norm(x + drop(linear2(drop(gelu(linear1(x))))))
-struct TransformerLayerImpl : torch::nn::Module {
-  TransformerLayerImpl(const TransformerSizes& sizes, bool decodes);
+struct TransformerLayerImpl : LayerModules {
+  TransformerLayerImpl(const TransformerSizes& sizes, bool decodes) : LayerModules(sizes, decodes, 1e-5) {}
   /// `x` (T,B,E), `padded` (B,T) bool or undefined; `memory` (S,B,E) of decoders.
   torch::Tensor forward(torch::Tensor x, const torch::Tensor& padded, const torch::Tensor& memory, Dropout& dropout);
   /// A decoder's whose frames see themselves and those before them, and repeated entries as memory.
   torch::Tensor Causal(torch::Tensor x, const torch::Tensor& padded, const RepeatedMemory& memory, Dropout& dropout);
-
-  Attention self_attn{nullptr}, multihead_attn{nullptr};
-  torch::nn::Linear linear1{nullptr}, linear2{nullptr};
-  torch::nn::LayerNorm norm1{nullptr}, norm2{nullptr}, norm3{nullptr};
 
  private:
   torch::Tensor Between(const torch::Tensor& x, Dropout& dropout);
@@ -50,16 +55,12 @@ TORCH_MODULE(TransformerStack);
 ///
 ///   x = x + drop(self_attn(norm1(x)));  x = x + drop(multihead_attn(norm2(x), memory));
 ///   x = x + drop(linear2(drop(relu(linear1(norm3(x))))))
-struct CausalLayerImpl : torch::nn::Module {
-  explicit CausalLayerImpl(const TransformerSizes& sizes);
+struct CausalLayerImpl : LayerModules {
+  explicit CausalLayerImpl(const TransformerSizes& sizes) : LayerModules(sizes, true, 1e-6) {}
   /// `padded` (B,T) bool of x and memory alike, or undefined.
   torch::Tensor forward(torch::Tensor x, const torch::Tensor& memory, const torch::Tensor& padded, Dropout& dropout);
   /// One frame more, without dropout. `memory` from multihead_attn->Remember.
   torch::Tensor Next(torch::Tensor x, const AttentionImpl::Seen& memory, AttentionImpl::Seen& seen);
-
-  Attention self_attn{nullptr}, multihead_attn{nullptr};
-  torch::nn::Linear linear1{nullptr}, linear2{nullptr};
-  torch::nn::LayerNorm norm1{nullptr}, norm2{nullptr}, norm3{nullptr};
 
  private:
   torch::Tensor Between(const torch::Tensor& x, Dropout& dropout);
