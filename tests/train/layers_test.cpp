@@ -4,14 +4,14 @@
 #include <torch/torch.h>
 
 #include "tests/train/chains.h"
-#include "train/layers/attention_function.h"
+#include "train/layers/attention.h"
+#include "train/layers/body.h"
 #include "train/layers/draws.h"
 #include "train/layers/dropout.h"
 #include "train/layers/frames.h"
 #include "train/layers/gru_layer.h"
 #include "train/layers/lie_function.h"
 #include "train/layers/rotations.h"
-#include "train/layers/tree_function.h"
 
 namespace mocurate {
 namespace {

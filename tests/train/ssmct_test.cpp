@@ -11,6 +11,7 @@
 
 #include "core/base/random.h"
 #include "tests/train/gradient_slope.h"
+#include "tests/train/network_parts.h"
 #include "train/layers/rotations.h"
 
 namespace mocurate {
@@ -77,7 +78,7 @@ double LargestApart(const Tensor& a, const Tensor& b) { return (a - b).abs().max
 
 Tensor FilledBy(Network& network, const Tensor& frames, const std::vector<std::int64_t>& parts) {
   const torch::NoGradGuard no_gradient;
-  return network.Parts({{"frames", frames}, {"parts", PartsTensor(parts)}}).at("filled");
+  return NetworkParts::Of(network, {{"frames", frames}, {"parts", PartsTensor(parts)}}).at("filled");
 }
 
 TraceBatch ThreeMotions(const Tensor& frames, std::size_t steps) {

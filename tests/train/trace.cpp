@@ -1,6 +1,6 @@
 #include "tests/train/trace.h"
 
-#include "train/networks/network.h"
+#include "tests/train/network_parts.h"
 #include "train/trainer/optimisers.h"
 #include "train/trainer/values.h"
 
@@ -99,7 +99,7 @@ Expected<PartsTrace> TraceParts(const TracedNetwork& traced, const TraceValues& 
   if (!network) return Forward(network);
   NamedTensors given;
   for (const auto& [name, value] : inputs) given[name] = TensorOf(value);
-  const NamedTensors parts = (*network)->Parts(given);
+  const NamedTensors parts = NetworkParts::Of(**network, given);
   PartsTrace trace;
   for (const auto& [name, value] : parts) trace.parts[name] = ParameterOf(name, value);
   if (cotangents.empty()) return trace;

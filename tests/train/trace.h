@@ -51,7 +51,7 @@ struct StepTrace {
 /// Error kInconsistent where weights do not match the network.
 Expected<StepTrace> TraceStep(const TracedNetwork& network, const TraceBatch& batch);
 
-/// Network::Parts on `inputs`; with `cotangents`, the gradients of their inner product with the parts.
+/// NetworkParts on `inputs`; with `cotangents`, the gradients of their inner product with the parts.
 struct PartsTrace {
   TraceValues parts, gradients;
 };

@@ -9,6 +9,17 @@
 
 namespace mocurate {
 
+/// Forward kinematics of N poses of a tree as one differentiable function of float32 numbers on the CPU, with its own
+/// backward pass. `parents` (J), -1 for the root, each below its child; `rotation` (N,J,3,3) parent_from_joint;
+/// `offsets` (J,3) or (N,J,3) in the parent's frame. Returns world_from_joint (N,J,3,3) and joints (N,J,3), the root
+/// at the origin.
+torch::autograd::variable_list TreeKinematics(const std::vector<int>& parents, const torch::Tensor& rotation,
+                                              const torch::Tensor& offsets);
+
+/// The same in plain tensor operations: the reference of TreeKinematics, and what other devices run.
+torch::autograd::variable_list PlainTreeKinematics(const std::vector<int>& parents, const torch::Tensor& rotation,
+                                                   const torch::Tensor& offsets);
+
 /// Forward kinematics on a tree (core/motion/kinematics.h), differentiable, float32.
 class BodyTree {
  public:
@@ -24,12 +35,11 @@ class BodyTree {
   Posed Pose(const torch::Tensor& rotation, const torch::Tensor& offsets = {}) const;
 
   /// Joints (T,B,3J) with bones of given lengths along the rest offsets: `rotation` (T,B,J,3,3), `place` (T,B,3) of the
-  /// root, `bone_length` (B,J) metres.
+  /// root or undefined, `bone_length` (B,J) metres.
   torch::Tensor JointsOfBones(const torch::Tensor& rotation, const torch::Tensor& place,
                               const torch::Tensor& bone_length) const;
 
   std::int64_t joint_count() const { return static_cast<std::int64_t>(parents_.size()); }
-  const torch::Tensor& rest_offset() const { return rest_offset_; }  ///< (J,3)
 
  private:
   std::vector<int> parents_;

@@ -171,16 +171,4 @@ void LieLayer::Backward(const float* parameters, const float* bone_length, const
   }
 }
 
-void LieLayer::BoneLengths(const float* joints, int count, float* bone_length) const {
-  const int J = joint_count();
-  for (int n = 0; n < count; ++n) {
-    const float* p = joints + static_cast<std::size_t>(n) * 3 * J;
-    for (int j = 0; j < J; ++j) {
-      const float* q = p + 3 * parent_[j];
-      const double dx = p[3 * j] - q[0], dy = p[3 * j + 1] - q[1], dz = p[3 * j + 2] - q[2];
-      bone_length[static_cast<std::size_t>(n) * J + j] = static_cast<float>(std::sqrt(dx * dx + dy * dy + dz * dz));
-    }
-  }
-}
-
 }  // namespace mocurate

@@ -38,9 +38,6 @@ class LieLayer {
   void Backward(const float* parameters, const float* bone_length, const float* joint_gradient, int count,
                 float* parameter_gradient) const;
 
-  /// |p_j - p_parent| of `joints` (count, 3J) -> (count, J), 0 for the root.
-  void BoneLengths(const float* joints, int count, float* bone_length) const;
-
  private:
   double floor_ = 0.0;
   std::vector<Bone> bones_;

@@ -165,13 +165,4 @@ Motions ActMoCoGan::Answer(const RequestBatch& requests, Draws& draws) {
   return {Joints(output, requests.bone_length), output};
 }
 
-NamedTensors ActMoCoGan::Parts(const NamedTensors& inputs) {
-  if (inputs.count("motion") > 0) {
-    return {{"discriminator", motion_discriminator_->forward(inputs.at("motion"), inputs.at("h0")).logits}};
-  }
-  const Tensor output =
-      Generate(inputs.at("z"), inputs.at("h0_z"), inputs.at("h0_h"), inputs.at("classes").to(torch::kInt64));
-  return {{"generator", output}};
-}
-
 }  // namespace mocurate

@@ -25,11 +25,10 @@ class ActMoCoGan : public Network {
   std::vector<int> Phases(std::int64_t step, std::int64_t steps) const override;
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// Given "z" (T,B,Z), "h0_z" (1,B,H), "h0_h" (2,B,H), "classes" (B): "generator", as the released code orders it.
-  /// Given "motion" (T,B,D), "h0" (2,B,H): "discriminator" (B,1 + C).
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   struct GeneratorImpl : torch::nn::Module {
     GeneratorImpl(std::int64_t latent, std::int64_t classes, std::int64_t hidden, std::int64_t pose, bool lie);
     torch::nn::GRU recurrent_z{nullptr}, recurrent_h{nullptr};

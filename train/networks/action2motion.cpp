@@ -7,11 +7,6 @@ namespace {
 
 using torch::Tensor;
 
-/// Per number, before any sum: log(s_p/s_q) + (exp(lv_q) + (m_q - m_p)^2) / (2 exp(lv_p)) - 1/2 (B.6).
-Tensor KlTerms(const Tensor& mean_q, const Tensor& lv_q, const Tensor& mean_p, const Tensor& lv_p) {
-  return 0.5 * (lv_p - lv_q) + (torch::exp(lv_q) + (mean_q - mean_p).square()) * (0.5 * torch::exp(-lv_p)) - 0.5;
-}
-
 TimeChoice TimeOf(const Action2MotionOptions& options) {
   if (options.time_counter != TimeChoice::kProtocol) return options.time_counter;
   if (options.protocol == Protocol::kPaper) return TimeChoice::kPaper;
@@ -70,14 +65,8 @@ Action2Motion::Action2Motion(const Action2MotionOptions& options, const Learning
   decoder_ = register_module("decoder", Decoder(input + latent_, hidden_, pose_, lie_));
 }
 
-std::vector<OptimiserGroup> Action2Motion::Groups() {
-  OptimiserGroup group;  // the released code has one Adam a network; they step alike
-  group.name = "adam";
-  group.parameters = parameters();
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+// The released code has one Adam a network; they step alike.
+std::vector<OptimiserGroup> Action2Motion::Groups() { return {AdamGroup(*this, learning_rate_, weight_decay_)}; }
 
 Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const {
   Tensor one_hot = OneHot(label, classes_).unsqueeze(0).expand({frames, -1, -1});  // (T,B,C)
@@ -85,6 +74,10 @@ Tensor Action2Motion::Conditions(const Tensor& label, std::int64_t frames) const
   Tensor time = torch::arange(frames, one_hot.options());
   time = time_ == TimeChoice::kPaper ? (time + 1.0) / frames : time / std::max<std::int64_t>(1, frames - 1);
   return torch::cat({one_hot, time.view({-1, 1, 1}).expand({-1, label.size(0), 1})}, 2);
+}
+
+Tensor Action2Motion::KlTerms(const Tensor& mean_q, const Tensor& lv_q, const Tensor& mean_p, const Tensor& lv_p) {
+  return 0.5 * (lv_p - lv_q) + (torch::exp(lv_q) + (mean_q - mean_p).square()) * (0.5 * torch::exp(-lv_p)) - 0.5;
 }
 
 Tensor Action2Motion::Decode(const Tensor& state) {
@@ -192,24 +185,6 @@ Motions Action2Motion::Answer(const RequestBatch& requests, Draws& draws) {
   if (!lie_) return {output, output};
   const Tensor lengths = requests.bone_length.unsqueeze(0).expand({T, -1, -1});
   return {Joints(output, lengths), output};
-}
-
-NamedTensors Action2Motion::Parts(const NamedTensors& inputs) {
-  if (inputs.count("mu1") > 0) {
-    const Tensor kl = KlTerms(inputs.at("mu1"), inputs.at("logvar1"), inputs.at("mu2"), inputs.at("logvar2"));
-    return {{"kl", kl.sum()}};
-  }
-  const Tensor &prior_rows = inputs.at("prior_input"), &decoder_rows = inputs.at("decoder_input");
-  const Tensor zero = torch::zeros({prior_rows.size(1), hidden_});
-  const Tensor states = GruLayer(prior_rows, zero, GruWeights(prior_->gru, prior_->embed));
-  const Tensor first = GruLayer(decoder_rows, zero, GruWeights(decoder_->first, decoder_->embed));
-  const Tensor second = GruLayer(first, zero, GruWeights(decoder_->second));
-  std::vector<Tensor> outputs;
-  for (const Tensor& state : second.unbind(0)) outputs.push_back(Decode(state));
-  return {{"h", states},
-          {"mu", prior_->mu_net->forward(states)},
-          {"logvar", prior_->logvar_net->forward(states)},
-          {"decoder_out", torch::stack(outputs)}};
 }
 
 }  // namespace mocurate

@@ -24,11 +24,10 @@ class Action2Motion : public Network {
   std::vector<OptimiserGroup> Groups() override;
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// Given "prior_input" and "decoder_input" (T,B,...): the states, means and outputs of T calls without feedback.
-  /// Given "mu1", "logvar1", "mu2", "logvar2": "kl", summed.
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   /// Prior and posterior.
   struct GaussianNetImpl : torch::nn::Module {
     GaussianNetImpl(std::int64_t input, std::int64_t hidden, std::int64_t latent);
@@ -46,6 +45,9 @@ class Action2Motion : public Network {
 
   struct Rollout;
 
+  /// Per number, before any sum: log(s_p/s_q) + (exp(lv_q) + (m_q - m_p)^2) / (2 exp(lv_p)) - 1/2 (B.6).
+  static torch::Tensor KlTerms(const torch::Tensor& mean_q, const torch::Tensor& lv_q, const torch::Tensor& mean_p,
+                               const torch::Tensor& lv_p);
   torch::Tensor Conditions(const torch::Tensor& label, std::int64_t frames) const;  // (T,B,C [+1])
   torch::Tensor Decode(const torch::Tensor& state);                                 // (...,H) -> (...,D)
   torch::Tensor Joints(const torch::Tensor& output, const torch::Tensor& bone_length) const;

@@ -18,7 +18,7 @@ Actor::Actor(const ActorOptions& options, const LearningOptions& learning, const
     if (sizes.skin) skin_.emplace(*sizes.skin, sizes.parents);
     tree_ = BodyTree(sizes.parents, sizes.rest_offset);
   }
-  std::tie(encoder_, decoder_) = MakeActorCoders(options, {rows_ * width_, width_, sizes.classes, data.frames});
+  std::tie(encoder_, decoder_) = MakeActorCoders(options, {rows_ * width_, sizes.classes, data.frames});
   register_module("encoder", encoder_);
   register_module("decoder", decoder_);
 }
@@ -113,7 +113,7 @@ Tensor Actor::Encode(const Batch& batch, Draws& draws) {
 }
 
 Motions Actor::Answer(const RequestBatch& requests, Draws& draws) {
-  const std::int64_t B = requests.label.size(0), T = requests.frames, J = joints_;
+  const std::int64_t B = requests.label.size(0), T = requests.frames;
   const Tensor z = draws.Normal(kMotionLatent, 1, B, options_.latent)[0];
   Motions motions;
   motions.output = decoder_->Generate(z, requests.label, T);  // (T,B,F)
@@ -123,20 +123,10 @@ Motions Actor::Answer(const RequestBatch& requests, Draws& draws) {
   }
   const Tensor rows = motions.output.reshape({T * B, rows_ * width_});
   motions.rotation = MatricesOf(NumbersOf(RotationsOf(rows), PoseChoice::kRotation6D), PoseChoice::kRotation6D)
-                         .view({T, B, J, 3, 3});  // orthogonal whatever the representation
-  // Bones of the lengths that are asked for, along the rest pose.
-  const Tensor rest = tree_.rest_offset();                                                   // (J,3)
-  const Tensor scale = requests.bone_length / rest.norm(2, 1).clamp_min(1e-9).unsqueeze(0);  // (B,J)
-  const Tensor offsets = (scale.unsqueeze(2) * rest.unsqueeze(0)).unsqueeze(0).expand({T, B, J, 3});
-  Tensor joints = tree_.Pose(motions.rotation.view({T * B, J, 3, 3}), offsets.reshape({T * B, J, 3})).joints;
-  if (options_.translation) joints = joints + PlacesOf(rows).unsqueeze(1);
-  motions.joints = joints.reshape({T, B, 3 * J});
+                         .view({T, B, joints_, 3, 3});  // orthogonal whatever the representation
+  const Tensor place = options_.translation ? PlacesOf(rows).view({T, B, 3}) : Tensor();
+  motions.joints = tree_.JointsOfBones(motions.rotation, place, requests.bone_length);
   return motions;
-}
-
-NamedTensors Actor::Parts(const NamedTensors& inputs) {
-  const Tensor label = inputs.at("label").to(torch::kInt64);
-  return {{"frames", decoder_->Generate(inputs.at("z")[0], label, inputs.at("frames").item<std::int64_t>())}};
 }
 
 }  // namespace mocurate

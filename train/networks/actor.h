@@ -26,10 +26,10 @@ class Actor : public Network {
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
   std::int64_t latent_size() const override { return options_.latent; }
   torch::Tensor Encode(const Batch& batch, Draws& draws) override;
-  /// Given "z" (1,B,E) and "label" (B), "frames" (1): "frames" (T,B,F).
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   torch::Tensor FramesOf(const Batch& batch) const;
   /// (N,J,3,3) and (N,3) of rows (N,F).
   torch::Tensor RotationsOf(const torch::Tensor& rows) const;

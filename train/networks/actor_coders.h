@@ -14,7 +14,6 @@ namespace mocurate {
 /// Sizes of a coder: F values a frame, C classes.
 struct CoderSizes {
   std::int64_t features = 150;
-  std::int64_t row = 6;  ///< numbers of a joint, of which F is a multiple
   std::int64_t classes = 12;
   std::int64_t frames = 60;  ///< of coders of fixed length
 };

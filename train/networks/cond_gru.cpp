@@ -19,14 +19,7 @@ CondGru::CondGru(const CondGruOptions& options, const LearningOptions& learning,
   linear_output_ = register_module("linear_output", torch::nn::Linear(hidden_, pose_));
 }
 
-std::vector<OptimiserGroup> CondGru::Groups() {
-  OptimiserGroup group;
-  group.name = "adam";
-  group.parameters = parameters();
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> CondGru::Groups() { return {AdamGroup(*this, learning_rate_, weight_decay_)}; }
 
 Losses CondGru::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
   const std::int64_t T = batch.frames(), B = batch.size();
@@ -65,14 +58,6 @@ Motions CondGru::Answer(const RequestBatch& requests, Draws& /*draws*/) {
     output[t].copy_(pose);
   }
   return {output, output};
-}
-
-NamedTensors CondGru::Parts(const NamedTensors& inputs) {
-  const Tensor &motion = inputs.at("motion"), &label = inputs.at("label");
-  const Tensor category = linear_c2e_->forward(OneHot(label.to(torch::kInt64), classes_));
-  const Tensor rows = torch::cat({motion, category.unsqueeze(0).expand({motion.size(0), -1, -1})}, 2);
-  const Tensor states = GruLayer(rows, torch::zeros({motion.size(1), hidden_}), GruWeights(gru_, 0));
-  return {{"output", linear_output_->forward(states)}};
 }
 
 }  // namespace mocurate

@@ -19,10 +19,10 @@ class CondGru : public Network {
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   /// A rollout from the first pose (zeros where none is given), or as the published rows were scored (F4).
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// Given "motion" (T,B,D) and "label" (B): "output" (T,B,D), each from the true pose before.
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   std::int64_t classes_, pose_, hidden_;
   double teacher_forcing_, learning_rate_, weight_decay_;
   bool zeros_;

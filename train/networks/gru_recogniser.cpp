@@ -32,14 +32,7 @@ GruRecogniser::GruRecogniser(const GruRecogniserOptions& options, const Learning
   register_module("linear2", classifier_->linear2);
 }
 
-std::vector<OptimiserGroup> GruRecogniser::Groups() {
-  OptimiserGroup group;
-  group.name = "adam";
-  group.parameters = parameters();
-  group.learning_rate = learning_rate_;
-  group.weight_decay = weight_decay_;
-  return {group};
-}
+std::vector<OptimiserGroup> GruRecogniser::Groups() { return {AdamGroup(*this, learning_rate_, weight_decay_)}; }
 
 Tensor GruRecogniser::Input(const Tensor& motion) const {
   return mean_.defined() ? (motion - mean_) / deviation_ : motion;
@@ -71,9 +64,7 @@ Losses GruRecogniser::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
 
 ValidationScore GruRecogniser::Validate(const Batch& batch) {
   const Tensor hidden = torch::zeros({options_.layers, batch.size(), options_.hidden}, batch.motion.options());
-  const Tensor logits = classifier_->forward(Input(batch.motion), hidden, LastOf(batch)).logits;
-  const Tensor of_label = torch::log_softmax(logits, 1).gather(1, batch.label.unsqueeze(1));
-  return {(logits.argmax(1) == batch.label).sum().item<double>(), -of_label.to(torch::kFloat64).sum().item<double>()};
+  return ScoreOf(classifier_->forward(Input(batch.motion), hidden, LastOf(batch)).logits, batch.label);
 }
 
 void GruRecogniser::Standardise(const Tensor& mean, const Tensor& deviation) {
@@ -90,11 +81,6 @@ void GruRecogniser::Finish() {
   weight.div_(deviation_);
   bias.sub_(torch::mv(weight.to(torch::kFloat64), mean_.to(torch::kFloat64)).to(torch::kFloat32));
   mean_ = deviation_ = Tensor();
-}
-
-NamedTensors GruRecogniser::Parts(const NamedTensors& inputs) {
-  const GruClassifierImpl::Heads heads = classifier_->forward(inputs.at("motion"), inputs.at("hidden"));
-  return {{"features", heads.features}, {"logits", heads.logits}};
 }
 
 }  // namespace mocurate

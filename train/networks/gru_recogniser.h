@@ -36,10 +36,10 @@ class GruRecogniser : public Network {
   ValidationScore Validate(const Batch& batch) override;
   void Standardise(const torch::Tensor& mean, const torch::Tensor& deviation) override;
   void Finish() override;
-  /// Given "motion" (T,B,D) and "hidden" (layers,B,H): "features", "logits".
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   torch::Tensor Input(const torch::Tensor& motion) const;
   torch::Tensor LastOf(const Batch& batch) const;
 

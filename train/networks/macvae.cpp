@@ -207,28 +207,4 @@ Motions Macvae::Answer(const RequestBatch& requests, Draws& draws) {
   return motions;
 }
 
-NamedTensors Macvae::Parts(const NamedTensors& inputs) {
-  NamedTensors parts;
-  const Tensor table = EncoderPositions(sizes_.frames, options_.width, options_.released());
-  parts["encoder_positions"] = table.squeeze(1);
-  if (const auto transition = inputs.find("transition"); transition != inputs.end()) {
-    parts["decoder_positions"] = DecoderPositions(transition->second.to(torch::kInt64), table, sizes_.frames);
-  }
-  const auto given = inputs.find("frames");
-  if (given == inputs.end()) return parts;
-  eval();
-  Dropout none;
-  Batch batch;
-  batch.features = given->second;
-  batch.parts = inputs.at("parts").to(torch::kInt64);
-  batch.label = batch.parts.select(1, 0);
-  const Frames frames = FramesOf(batch);
-  const LatentMoments prior = prior_->forward(frames.read, batch.parts, inputs.at("word").to(torch::kInt64));
-  parts["prior_mean"] = prior.mean;
-  parts["prior_log_variance"] = prior.log_variance;
-  parts["decoded"] = decoder_->forward(inputs.at("z"), batch.parts, sizes_.frames, none);
-  parts["smoothed"] = Smooth(frames, parts["decoded"], batch.parts, sizes_.frames).after;
-  return parts;
-}
-
 }  // namespace mocurate

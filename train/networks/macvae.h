@@ -29,11 +29,10 @@ class Macvae : public Network {
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   /// Frames of transition and action; motion b has parts(b,1) + parts(b,2) of them, the others mean nothing.
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// "encoder_positions" (L,E), and given "transition" (B) "decoder_positions" (L,B,E); given "frames", "parts", "word"
-  /// and "z" (B,K,E): "prior_mean", "prior_log_variance" (B,K,E), "decoded" (L,B,G), "smoothed" (L,B,G).
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   /// Frames as they are read (L,B,F), and rotations (L,B,J,3,3) with places (L,B,3).
   struct Frames {
     torch::Tensor read, rotation, place;

@@ -137,13 +137,10 @@ MacvaePriorImpl::MacvaePriorImpl(const MacvaeOptions& given, const MacvaeSizes& 
 }
 
 Tensor MacvaePriorImpl::PreviousOf(const Tensor& frames, const Tensor& parts) const {
-  const std::int64_t B = frames.size(1), F = frames.size(2);
   const Tensor back = torch::arange(-previous_frames, 0, parts.options()).unsqueeze(1);  // (P,1)
   const Tensor at = back + parts.select(1, 0).unsqueeze(0);                              // (P,B), before 0: none
-  const Tensor rows = (at.clamp_min(0) * B + torch::arange(B, parts.options())).reshape({-1});
-  Tensor chosen = frames.reshape({-1, F}).index_select(0, rows).view({previous_frames, B, F});
-  chosen = chosen * (at >= 0).unsqueeze(2);
-  return chosen.transpose(0, 1).reshape({B, previous_frames * F});
+  const Tensor chosen = RowsAt(frames, at.clamp_min(0)) * (at >= 0).unsqueeze(2);        // (P,B,F)
+  return chosen.transpose(0, 1).reshape({frames.size(1), -1});
 }
 
 LatentMoments MacvaePriorImpl::forward(const Tensor& frames, const Tensor& parts, const Tensor& word) {

@@ -18,14 +18,17 @@ std::vector<int> Network::Phases(std::int64_t /*step*/, std::int64_t /*steps*/) 
 
 ValidationScore Network::Validate(const Batch& /*batch*/) { return {}; }
 
+OptimiserGroup AdamGroup(const torch::nn::Module& module, double learning_rate, double weight_decay) {
+  return {"adam", module.parameters(), OptimiserGroup::Rule::kAdam, learning_rate, weight_decay};
+}
+
 OptimiserGroup AdamWGroup(const torch::nn::Module& module, double learning_rate, double weight_decay) {
-  OptimiserGroup group;
-  group.name = "adamw";
-  group.parameters = module.parameters();
-  group.rule = OptimiserGroup::Rule::kAdamW;
-  group.learning_rate = learning_rate;
-  group.weight_decay = weight_decay;
-  return group;
+  return {"adamw", module.parameters(), OptimiserGroup::Rule::kAdamW, learning_rate, weight_decay};
+}
+
+ValidationScore ScoreOf(const torch::Tensor& logits, const torch::Tensor& label) {
+  const torch::Tensor of_label = torch::log_softmax(logits, 1).gather(1, label.unsqueeze(1));
+  return {(logits.argmax(1) == label).sum().item<double>(), -of_label.to(torch::kFloat64).sum().item<double>()};
 }
 
 std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes) {

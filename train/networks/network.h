@@ -3,7 +3,6 @@
 #include <torch/torch.h>
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -89,9 +88,6 @@ struct ValidationScore {
   double loss = 0.0;
 };
 
-/// Named tensors, as inputs and outputs of a part of a network.
-using NamedTensors = std::map<std::string, torch::Tensor>;
-
 /// Purpose of the draw of a whole motion's latent (Draws::Give).
 constexpr const char* kMotionLatent = "generator.latent";
 
@@ -121,13 +117,14 @@ class Network : public torch::nn::Module {
   virtual void Standardise(const torch::Tensor& /*mean*/, const torch::Tensor& /*deviation*/) {}
   /// After training: folds all learned values into its parameters.
   virtual void Finish() {}
-
-  /// Parts of the network on given inputs, for comparison with other implementations.
-  virtual NamedTensors Parts(const NamedTensors& inputs) = 0;
 };
 
-/// All parameters of a module under AdamW.
+/// All parameters of a module under Adam, under AdamW.
+OptimiserGroup AdamGroup(const torch::nn::Module& module, double learning_rate, double weight_decay);
 OptimiserGroup AdamWGroup(const torch::nn::Module& module, double learning_rate, double weight_decay);
+
+/// Of the logits (B,C) for classes (B).
+ValidationScore ScoreOf(const torch::Tensor& logits, const torch::Tensor& label);
 
 /// The network that `options` ask for, its initial values drawn from their seed.
 std::shared_ptr<Network> MakeNetwork(const NetworkOptions& options, const NetworkSizes& sizes);

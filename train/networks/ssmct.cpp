@@ -154,12 +154,4 @@ Motions Ssmct::Answer(const RequestBatch& requests, Draws& /*draws*/) {
   return motions;
 }
 
-NamedTensors Ssmct::Parts(const NamedTensors& inputs) {
-  eval();
-  Dropout none;
-  Batch batch;
-  batch.features = inputs.at("frames");
-  return {{"filled", Fill(FramesOf(batch), inputs.at("parts").to(torch::kInt64), none)}};
-}
-
 }  // namespace mocurate

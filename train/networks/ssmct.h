@@ -42,10 +42,10 @@ class Ssmct : public Network {
   /// frames. Where all three parts have more than L, the first frames of the previous action are not read, then the
   /// last of the action. Nothing is drawn.
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// Given "frames" (T,B,3J+3) rotation vectors and places, and "parts" (B,3): "filled" (T,B,G), 0 at padding.
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   FilledMotion FramesOf(const Batch& batch) const;
   torch::Tensor RowsOf(const torch::Tensor& rotation, const torch::Tensor& place) const;
   torch::Tensor Fill(const FilledMotion& known, const torch::Tensor& parts, Dropout& dropout);

@@ -95,15 +95,7 @@ Losses StGcn::Loss(const Batch& batch, Draws& /*draws*/, int /*phase*/) {
 
 ValidationScore StGcn::Validate(const Batch& batch) {
   eval();
-  const Tensor logits = Run(InputOf(batch)).logits;
-  const Tensor of_label = torch::log_softmax(logits, 1).gather(1, batch.label.unsqueeze(1));
-  return {(logits.argmax(1) == batch.label).sum().item<double>(), -of_label.to(torch::kFloat64).sum().item<double>()};
-}
-
-NamedTensors StGcn::Parts(const NamedTensors& inputs) {
-  eval();
-  const Heads heads = Run(inputs.at("rotation_6d"));
-  return {{"features", heads.features}, {"logits", heads.logits}};
+  return ScoreOf(Run(InputOf(batch)).logits, batch.label);
 }
 
 }  // namespace mocurate

@@ -36,10 +36,10 @@ class StGcn : public Network {
   /// A recogniser answers nothing: an empty result.
   Motions Answer(const RequestBatch&, Draws&) override { return {}; }
   ValidationScore Validate(const Batch& batch) override;
-  /// Given "rotation_6d" (T,B,6V): "features", "logits", as after training.
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   struct Heads {
     torch::Tensor features;  // (B,256)
     torch::Tensor logits;    // (B,C)

@@ -134,10 +134,4 @@ Motions TwoStageGan::Answer(const RequestBatch& requests, Draws& draws) {
   return {joints, joints};
 }
 
-NamedTensors TwoStageGan::Parts(const NamedTensors& inputs) {
-  const Tensor one_hot = OneHot(inputs.at("classes").to(torch::kInt64), classes_);
-  if (inputs.count("motion") > 0) return {{"critic", JudgeMotion(inputs.at("motion"), one_hot)}};
-  return {{"motion", Motion(inputs.at("z_0"), inputs.at("noise"), one_hot)}};
-}
-
 }  // namespace mocurate

@@ -24,10 +24,10 @@ class TwoStageGan : public Network {
   Losses Loss(const Batch& batch, Draws& draws, int phase) override;
   void AfterStep(int phase) override;
   Motions Answer(const RequestBatch& requests, Draws& draws) override;
-  /// Given "z_0" (B,Z), "noise" (T-1,B,Z), "classes" (B): "motion" (T,B,D). Given "motion" and "classes": "critic" (B).
-  NamedTensors Parts(const NamedTensors& inputs) override;
 
  private:
+  friend struct NetworkParts;  // of the tests
+
   enum Phase { kPoseCritic, kPoseGenerator, kMotionCritic, kMotionGenerator };
 
   torch::Tensor Motion(const torch::Tensor& z_0, const torch::Tensor& noise, const torch::Tensor& one_hot);
