@@ -243,11 +243,16 @@ Status MakeFolder(const fs::path& path) {
 }
 
 std::optional<std::size_t> FirstNotUtf8(std::string_view bytes) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
   for (std::size_t i = 0; i < bytes.size();) {
-    if (static_cast<unsigned char>(bytes[i]) < 0x80) {
-      ++i;
-      continue;
+    // Numbers of pickles are text of one and two bytes in no order: a branch on the length would be guessed wrong.
+    while (i + 1 < bytes.size()) {
+      const bool one = at(i) < 0x80;
+      const bool two = (at(i) >= 0xC2) & (at(i) < 0xE0) & ((at(i + 1) & 0xC0) == 0x80);
+      if (!(one | two)) break;
+      i += one ? 1 : 2;
     }
+    if (i == bytes.size()) break;
     const Character character = FirstCharacter(bytes.substr(i));
     if (character.kind == CharacterKind::kNotUtf8) return i;
     i += character.bytes;
