@@ -70,6 +70,13 @@ TEST(CloudFit, FindsAPersonWhoFacesAwayFromTheFirstCamera) {
   EXPECT_LT(MeanJointError(fit->motion.joints, truth.joints), 0.02);
 }
 
+/// The solver of the same costs that is several times faster than Ceres.
+PointCloudOptions QuickOptions() {
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  return options;
+}
+
 /// Error of the second of two frames; an arm moved far between them, `seconds` apart.
 double ErrorAfter(double seconds, const SkeletonPtr& skeleton) {
   Motion truth = Standing(skeleton, 2);
@@ -79,7 +86,7 @@ double ErrorAfter(double seconds, const SkeletonPtr& skeleton) {
   auto clip = RenderClip(truth, CloudsFolder("later"));
   if (!clip) return -1.0;
   for (DepthView& view : clip->evidence.depth_views) view.time_s = {0.0, seconds};
-  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  const auto fit = FitClouds(*clip, skeleton, {}, QuickOptions());
   const int hand = *skeleton->FindJoint("plain_left_hand");
   return fit ? (fit->motion.joints.at(1, hand) - truth.joints.at(1, hand)).norm() : -1.0;
 }
@@ -106,7 +113,7 @@ TEST(CloudFit, FindsArmsAnywhereAfterAGap) {
   auto clip = RenderClip(truth, CloudsFolder("overhead"));
   ASSERT_TRUE(clip) << clip.error().Message();
   for (DepthView& view : clip->evidence.depth_views) view.time_s = {0.0, 1.0};
-  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  const auto fit = FitClouds(*clip, skeleton, {}, QuickOptions());
   ASSERT_TRUE(fit) << fit.error().Message();
   for (const char* hand : {"plain_left_hand", "plain_right_hand"}) {
     const int joint = *skeleton->FindJoint(hand);
@@ -214,7 +221,7 @@ TEST(CloudFit, IgnoresPointsFarBehindThePerson) {
   ASSERT_NE(skeleton, nullptr);
   const auto clip = RenderClip(Standing(skeleton, 1), CloudsFolder("junk"));
   ASSERT_TRUE(clip) << clip.error().Message();
-  const auto clean = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  const auto clean = FitClouds(*clip, skeleton, {}, QuickOptions());
   int measured = 0, junk = 0;
   for (const DepthView& view : clip->evidence.depth_views) {
     auto image = ReadDepthImage(view.files[0]);
@@ -227,7 +234,7 @@ TEST(CloudFit, IgnoresPointsFarBehindThePerson) {
     ASSERT_TRUE(WriteDepthImage(*image, view.files[0]));
   }
   ASSERT_GT(junk, 100);
-  const auto fit = FitClouds(*clip, skeleton, {}, PointCloudOptions());
+  const auto fit = FitClouds(*clip, skeleton, {}, QuickOptions());
   ASSERT_TRUE(clean && fit);
   EXPECT_LT(MeanJointError(fit->motion.joints, clean->motion.joints), 0.003);
 }
@@ -396,9 +403,11 @@ TEST_F(RenderedSequenceFit, ViewsOfOnePersonAgreeWhereTheyOverlap) {
 }
 
 TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
-  const auto bones = MeasureBodyInClouds({sequence_.clip}, skeleton_, PointCloudOptions());
+  PointCloudOptions options;
+  options.solver = TrackSolver::kBanded;
+  const auto bones = MeasureBodyInClouds({sequence_.clip}, skeleton_, options);
   ASSERT_TRUE(bones) << bones.error().Message();
-  const auto fit = FitClouds(sequence_.clip, bones->skeleton, bones->bone_length, PointCloudOptions());
+  const auto fit = FitClouds(sequence_.clip, bones->skeleton, bones->bone_length, options);
   ASSERT_TRUE(fit) << fit.error().Message();
   const double error = MeanJointError(fit->motion.joints, sequence_.truth);
   RecordProperty("mean_joint_error_mm", std::to_string(1000.0 * error));

@@ -43,7 +43,7 @@ TEST_F(Turntable, ThreeViewsGiveTheSameJointsAsAll) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   PointCloudOptions options;
   options.solver = TrackSolver::kBanded;
-  options.voxel_size = 0.015;
+  options.voxel_size = 0.02;
   const auto bones = MeasureBodyInClouds({clip_}, skeleton, options);
   ASSERT_TRUE(bones) << bones.error().Message();
   const auto all = FitClouds(clip_, bones->skeleton, bones->bone_length, options);

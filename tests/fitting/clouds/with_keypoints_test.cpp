@@ -37,7 +37,7 @@ class MixedTakes : public ::testing::Test {
     wanted.seed = static_cast<std::uint64_t>(kSeed);
     wanted.subjects = 1;
     wanted.clips = 6;
-    wanted.frames = 24;
+    wanted.frames = 20;
     const std::filesystem::path folder = SharedScratch("mixed_takes");
     takes_ = new std::vector<CloudTake>(CloudTakes(wanted, folder));
     actors_ = new std::vector<Actor>(ActorsOfTakes(wanted, *shape_));

@@ -114,9 +114,10 @@ TEST(Priors, StanceFootDoesNotMove) {
   AddNoise(take.tracks, 0.02, 3);
   JointTrackOptions none;
   none.contact_process_noise.reset();
+  const Motion fitted = FittedMotion(take), fitted_without = FittedMotion(take, none);
   for (const char* joint : {"left_ankle", "right_ankle", "left_foot", "right_foot"}) {
-    const double without = RmsOf(FittedMotion(take, none), take.truth, joint);
-    EXPECT_LT(RmsOf(FittedMotion(take), take.truth, joint), 0.8 * without) << joint << " without: " << without;
+    const double without = RmsOf(fitted_without, take.truth, joint);
+    EXPECT_LT(RmsOf(fitted, take.truth, joint), 0.8 * without) << joint << " without: " << without;
   }
 }
 
