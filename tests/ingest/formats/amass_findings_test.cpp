@@ -24,7 +24,9 @@ class AmassFindings : public Layouts {
  protected:
   void SetUp() override {
     Layouts::SetUp();
-    Write(Perfect(StudioLayout::kAmass));
+    StudioOptions options = Perfect(StudioLayout::kAmass);
+    options.subjects = 1;
+    Write(options);
   }
 
   void Put(const std::string& name, const std::string& bytes) { ASSERT_TRUE(WriteFile(folder / name, bytes)); }
