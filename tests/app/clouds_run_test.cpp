@@ -43,8 +43,9 @@ TEST(CloudsRun, ADatasetAndAReportWithoutImages) {
                 "    units: m\n    axes: \"+x +y +z\"\n    rate: 10 Hz\n    person: p1\n"
                 "    recording: \"{recording}\"\n    label: \"\"\n"
                 "fitting: {method: point_clouds, point_clouds: {solver: banded}}\n");
-  const program::Result run =
-      program::RunProgram(folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--json"});
+  const program::Result run = program::RunProgram(
+      folder,
+      {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--json", "--set", "report.videos=false"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.Json()["kept"], 1);
   const auto dataset = ReadDataset(folder / "r/dataset.h5");

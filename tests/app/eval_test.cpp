@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -29,6 +30,8 @@ fs::path Published(const std::string& name) { return fs::path(std::getenv("MOCUR
 Result Eval(const ScratchFolder& folder, std::vector<std::string> arguments, bool weights = true) {
   arguments.insert(arguments.begin(), "eval");
   arguments.push_back("--json");
+  if (std::find(arguments.begin(), arguments.end(), "-j") == arguments.end())
+    arguments.insert(arguments.end(), {"-j", "1"});
   program::Surroundings surroundings;
   surroundings.before_start = [weights] {
     if (weights) setenv("MOCURATE_WEIGHTS", Published("").c_str(), 1);
@@ -192,7 +195,7 @@ TEST(Eval, RealComesFirstRowsFollowAndReleasedDrawsAsThePaperDoes) {
   EXPECT_THAT(drawn_rows[1]["assumed"].get<std::vector<std::string>>(),
               ::testing::Contains("same_motions_in_every_repetition"));
   EXPECT_EQ(drawn.out, Eval(folder, released).out) << "same inputs, same bytes";
-  released.insert(released.end(), {"-j", "1"});
+  released.insert(released.end(), {"-j", "2"});
   const ScratchFolder other;  // another cache
   EXPECT_EQ(drawn_rows, Eval(other, released).Json()["rows"]) << "with any number of jobs";
 }

@@ -29,7 +29,7 @@ class Plans : public ::testing::Test {
     const std::vector<std::string> made = SmallJob(*folder_, "made");
     ASSERT_EQ(RunProgram(*folder_, made, program::SharedCache()).exit_code, 0);
     fs::copy(*folder_ / "made/capture", *folder_ / "capture");
-    plain_ = RunProgram(*folder_, Run("plain"), "plain_cache");
+    plain_ = RunProgram(*folder_, Run("plain"), program::SharedCache());
   }
   static void TearDownTestSuite() { delete folder_; }
 

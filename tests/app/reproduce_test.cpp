@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 nlohmann::json Reproduced(const ScratchFolder& folder, const std::string& id, std::vector<std::string> more = {}) {
   std::string name = id;
   std::replace(name.begin(), name.end(), '/', '_');
-  std::vector<std::string> arguments = {
-      "reproduce", id, "--profile", "smoke", "--json", "-o", (folder / name).string()};
+  std::vector<std::string> arguments = {"reproduce", id, "--profile", "smoke", "--json", "-o", (folder / name).string(),
+                                        "--jobs",    "1"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const Result result = RunProgram(folder, arguments);
   EXPECT_EQ(result.exit_code, 0) << id << ": " << result.err;
@@ -131,9 +131,9 @@ TEST(Reproduce, FiguresAreDrawnFromTheNetworksOfTheirRun) {
 TEST(Reproduce, ATimeBudgetBoundsTrainingAndIsSaved) {
   const ScratchFolder folder;
   const std::string place = (folder / "r").string();
-  const std::vector<std::string> asked = {"reproduce", "a2m/figure6", "--profile",
-                                          "small",     "--set",       "substitutes=[subjects=2]",
-                                          "-o",        place,         "--time-budget"};
+  const std::vector<std::string> asked = {
+      "reproduce", "a2m/figure6", "--profile", "small", "--set",        "substitutes=[subjects=2]",
+      "-o",        place,         "--jobs",    "1",     "--time-budget"};
   std::vector<std::string> short_one = asked, enough = asked;
   short_one.emplace_back("1 ms");
   const Result refused = RunProgram(folder, short_one);

@@ -84,7 +84,7 @@ class SlurmRuns : public ::testing::Test {
     folder_ = new ScratchFolder;
     ASSERT_EQ(RunProgram(*folder_, SmallJob(*folder_, "made"), program::SharedCache()).exit_code, 0);
     fs::copy(*folder_ / "made/capture", *folder_ / "capture");
-    plain_ = RunProgram(*folder_, Arguments("plain"), "plain_cache");
+    plain_ = RunProgram(*folder_, Arguments("plain"), program::SharedCache());
     ASSERT_EQ(plain_.exit_code, 0) << plain_.err;
   }
   static void TearDownTestSuite() { delete folder_; }
@@ -103,12 +103,12 @@ class SlurmRuns : public ::testing::Test {
     return arguments;
   }
 
-  /// Runs with the programs that stand for Slurm's in PATH. `refusal`: name of a recorded text that sbatch answers
-  /// with.
+  /// Runs with the programs that stand for Slurm's in PATH. `run`: whose cache and queue; "plain" has the shared cache,
+  /// with all that a plain run makes. `refusal`: name of a recorded text that sbatch answers with.
   static Result Run(const std::vector<std::string>& arguments, const std::string& run,
                     const std::string& refusal = {}) {
     Surroundings surroundings;
-    surroundings.cache = run + "_cache";
+    surroundings.cache = run == "plain" ? program::SharedCache() : run + "_cache";
     surroundings.before_start = [run, refusal] {
       const fs::path state = *folder_ / (run + "_shim");
       fs::create_directories(state);
@@ -143,7 +143,7 @@ Result SlurmRuns::plain_;
 
 /// Everything is in the cache, so that only the last job runs.
 TEST_F(SlurmRuns, AFolderOfAnotherJobIsReplacedByTheLastJobToo) {
-  ASSERT_EQ(RunProgram(*folder_, Arguments("replaced", {"--set", "name=before"}), "plain_cache").exit_code, 0);
+  ASSERT_EQ(RunProgram(*folder_, Arguments("replaced", {"--set", "name=before"}), program::SharedCache()).exit_code, 0);
   EXPECT_EQ(Run(OnSlurm("replaced"), "plain").exit_code, 2);
   const Result replaced = Run(OnSlurm("replaced", {"--replace"}), "plain");
   EXPECT_EQ(replaced.exit_code, 0) << replaced.err << Logs("replaced");

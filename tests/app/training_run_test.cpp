@@ -25,7 +25,7 @@ using ::testing::Not;
 
 /// A few synthetic clips, the smallest networks, the shortest evaluation.
 std::vector<std::string> TrainingJob(const ScratchFolder& folder, const std::vector<std::string>& assignments) {
-  std::vector<std::string> arguments = {"run", "-o", (folder / "r").string(), "--json"};
+  std::vector<std::string> arguments = {"run", "-o", (folder / "r").string(), "--json", "--jobs", "1"};
   std::vector<std::string> sets = {
       "ingest.synthetic.subjects=3",
       "ingest.synthetic.repetitions=1",
@@ -83,7 +83,9 @@ TEST(TrainingRun, AGivenFolderReplacesTheCapture) {
 
 TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
   const ScratchFolder folder;
-  const Result result = TrainingProgram(folder, TrainingJob(folder, {"report.videos=true", "report.pages=1"}));
+  std::vector<std::string> arguments = TrainingJob(folder, {"report.videos=true", "report.pages=1"});
+  *std::next(std::find(arguments.begin(), arguments.end(), "--jobs")) = "2";
+  const Result result = TrainingProgram(folder, arguments);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json document = result.Json();
   EXPECT_EQ(StagesNamed(document, "train"), 1);
@@ -353,7 +355,8 @@ TEST(TrainingRun, ActorIsScoredByAnStGcnAndDenoisesTheDataset) {
 TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndMarksSubstitutes) {
   const ScratchFolder folder;
   const std::string config = std::string(kSourceFolder) + "/configs/papers/a2m/table1.yaml";
-  const std::vector<std::string> arguments = {"run", config, "--set", "profile=smoke", "-o", (folder / "r").string()};
+  const std::vector<std::string> arguments = {"run",    config, "--set", "profile=smoke", "-o", (folder / "r").string(),
+                                              "--jobs", "1"};
   ASSERT_EQ(TrainingProgram(folder, arguments).exit_code, 0);
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
   std::set<std::string> checkpoints;
@@ -426,8 +429,8 @@ TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
   const ScratchFolder folder;
   const std::string papers = std::string(kSourceFolder) + "/configs/papers/multiact/";
   const auto run = [&](const std::string& table) {
-    return TrainingProgram(
-        folder, {"run", papers + table, "--set", "profile=smoke", "-o", (folder / table).string(), "--json"});
+    return TrainingProgram(folder, {"run", papers + table, "--set", "profile=smoke", "-o", (folder / table).string(),
+                                    "--json", "--jobs", "1"});
   };
   ASSERT_EQ(run("table3.yaml").exit_code, 0);
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "table3.yaml/tables/table.json"));
@@ -474,8 +477,8 @@ TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
                      "include: resource:papers/multiact/figure6.yaml\nevaluate: {rows: [{name: Ours, network: MACVAE "
                      "(Ours), script: chain, "
                      "steps: 2, first: ACTOR}]}\n");
-  const Result run_of_steps = TrainingProgram(
-      folder, {"run", config.string(), "--set", "profile=smoke", "-o", (folder / "steps").string(), "--json"});
+  const Result run_of_steps = TrainingProgram(folder, {"run", config.string(), "--set", "profile=smoke", "-o",
+                                                       (folder / "steps").string(), "--json", "--jobs", "1"});
   ASSERT_EQ(run_of_steps.exit_code, 0) << run_of_steps.err;
   const nlohmann::json chains = nlohmann::json::parse(ReadText(folder / "steps/tables/table.json"));
   EXPECT_EQ(chains["rows"].size(), 2u * (2 + 2)) << "two real rows and two steps of each part";

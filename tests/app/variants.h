@@ -41,9 +41,9 @@ inline void CollectCodes(const nlohmann::json& value, std::set<std::string>& cod
 /// Runs a job up to the stage `to`.
 inline Verdict RunJob(const ScratchFolder& folder, const std::string& job, const std::string& to = "assemble") {
   program::WriteText(folder / "job.yaml", job);
-  const program::Result result = program::RunProgram(
-      folder,
-      {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--to", to, "--json", "--jobs", "2"});
+  const program::Result result =
+      program::RunProgram(folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--to", to,
+                                   "--json", "--jobs", "1", "--set", "fitting.joint_tracks.solver=banded"});
   Verdict verdict;
   verdict.exit_code = result.exit_code;
   CollectCodes(nlohmann::json::parse(result.out, nullptr, false), verdict.codes);
