@@ -8,8 +8,6 @@
 #include "core/motion/action_parts.h"
 #include "core/motion/one_euro.h"
 #include "core/quality/padding.h"
-#include "core/quality/padding_action.h"
-#include "eval/features/extractor_options.h"
 #include "eval/metrics/interval.h"
 
 namespace mocurate {

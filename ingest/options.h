@@ -10,8 +10,6 @@
 #include "core/base/options.h"
 #include "core/formats/file_rules.h"
 #include "core/quality/padding.h"
-#include "core/quality/padding_action.h"
-#include "ingest/checks/check_options.h"
 #include "ingest/checks/finding_table.h"
 #include "ingest/synthetic/studio_options.h"
 

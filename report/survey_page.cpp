@@ -6,7 +6,7 @@
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
-#include "core/motion/fingerprint.h"
+#include "core/motion/motion.h"
 #include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"

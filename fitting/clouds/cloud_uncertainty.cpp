@@ -12,7 +12,7 @@
 #include "core/base/median.h"
 #include "core/base/pi.h"
 #include "core/base/text.h"
-#include "core/geometry/symmetric.h"
+#include "core/geometry/rotation.h"
 #include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/costs/huber.h"

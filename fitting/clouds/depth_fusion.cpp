@@ -16,7 +16,6 @@
 
 #include "core/base/file.h"
 #include "core/base/sha256.h"
-#include "core/base/unpacked_limit.h"
 #include "core/formats/png.h"
 #include "fitting/clouds/depth_normals.h"
 

@@ -9,8 +9,7 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/geometry/symmetric.h"
-#include "fitting/clouds/capsule_offsets.h"
+#include "core/geometry/rotation.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/motion/clip.h"
-#include "core/motion/point_places.h"
+#include "core/motion/skeleton.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/options.h"
 

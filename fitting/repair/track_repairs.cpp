@@ -9,8 +9,6 @@
 
 #include "core/base/text.h"
 #include "core/quality/checks.h"
-#include "core/quality/position_jumps.h"
-#include "core/quality/repeats.h"
 #include "core/quality/tracked_points.h"
 #include "fitting/repair/body_sides.h"
 #include "fitting/repair/bone_violations.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/geometry/rotation.h"
-#include "core/geometry/symmetric.h"
 #include "fitting/costs/hinge_cost.h"
 #include "fitting/costs/huber.h"
 

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/symmetric.h"
-#include "fitting/uncertainty/autocorrelated_error.h"
+#include "core/geometry/rotation.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
 #include "fitting/uncertainty/process_noise_scale.h"

@@ -5,8 +5,8 @@
 
 #include "core/base/problem_list.h"
 #include "core/base/text.h"
-#include "core/formats/decimal_comma.h"
 #include "core/formats/joint_layout.h"
+#include "core/formats/number_scanner.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"

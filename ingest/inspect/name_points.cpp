@@ -6,7 +6,6 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
-#include "core/motion/joint_namespace.h"
 #include "core/motion/limbs.h"
 #include "core/motion/skeleton.h"
 #include "core/quality/tracked_points.h"

@@ -10,7 +10,6 @@
 
 #include "core/base/error.h"
 #include "core/base/finding.h"
-#include "core/formats/calibration.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"

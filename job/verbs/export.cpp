@@ -8,7 +8,6 @@
 
 #include "canon/exports/layout.h"
 #include "canon/splits/leaks.h"
-#include "core/base/characters.h"
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/links.h"
@@ -16,7 +15,7 @@
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
 #include "core/store/dataset_clips.h"
-#include "ingest/checks/check_options.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/read_motions.h"
 #include "job/motion_files.h"
 #include "job/verbs/inputs_and_outputs.h"

@@ -11,8 +11,6 @@
 #include <vector>
 
 #include "core/body/capsule_body.h"
-#include "core/body/shape_offsets.h"
-#include "fitting/clouds/capsule_offsets.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_shape.h"
 #include "fitting/clouds/joint_cloud_fit.h"

@@ -6,8 +6,7 @@
 #include <regex>
 
 #include "canon/review/review.h"
-#include "core/motion/fingerprint.h"
-#include "report/review_page.h"
+#include "core/motion/motion.h"
 #include "report/stages.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
