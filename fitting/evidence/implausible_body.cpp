@@ -63,9 +63,10 @@ double RobustDeviation(std::vector<double> values) {
 }
 
 /// Median absolute difference of lengths from one.
-double DepartureFrom(double length, std::vector<double> lengths) {
-  for (double& seen : lengths) seen = std::abs(seen - length);
-  return MeanMedian(lengths);
+double DepartureFrom(double length, const std::vector<double>& lengths) {
+  std::vector<double> departures;
+  for (const double seen : lengths) departures.push_back(std::abs(seen - length));
+  return MeanMedian(std::move(departures));
 }
 
 /// Bone between two joints.

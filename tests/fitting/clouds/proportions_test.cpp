@@ -47,10 +47,7 @@ class DepthProportions : public ::testing::Test {
     StageRequest request;
     request.stage = stage;
     request.item = item;
-    // Where the person faces, and that the person stands, is given: the search for both is not tested here.
-    const nlohmann::json start = {{"facing", 0.0}, {"posture", "standing"}};
-    request.options = {
-        {"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}, {"start", start}}}};
+    request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
     for (Clip clip : clips) {
       for (DepthView& view : clip.evidence.depth_views) view.sha256 = {*Sha256OfFile(view.files[0])};
       const std::filesystem::path path = folder_ / (clip.identity.recording + ".h5");

@@ -9,6 +9,7 @@
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/synthetic/studio_layouts.h"
 #include "tests/ingest/changed_files.h"
+#include "tests/support/amass_writer.h"
 
 namespace mocurate {
 namespace {
@@ -29,7 +30,7 @@ class DamagedAmass : public ChangedFiles {
   void Write(const Change& change) {
     Amass amass = *ParseAmass(Recorded(kSample), "sample");
     change(amass);
-    Written("CMU/01/walk_poses.npz", *EncodeAmass(amass, "sample"));
+    Written("CMU/01/walk_poses.npz", *EncodeNpz(AmassWithMarkers(amass), "sample"));
   }
 };
 
