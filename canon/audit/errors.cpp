@@ -210,7 +210,9 @@ std::vector<AuditFinding> FindClipErrors(const Dataset& dataset) {
     if (measure.handedness != Handedness::kLeft || !ShownByFeetOrHands(measure)) continue;
     findings.push_back({FrameFinding("mirrored", 0, clip.motion->frame_count(), "", measure.confidence,
                                      "left and right are exchanged, or the frame is left-handed: " + measure.evidence),
-                        "", "", {}});
+                        "",
+                        "",
+                        {}});
     findings.back().finding.clip = clip.id();
   }
   return findings;
