@@ -35,7 +35,7 @@ Expected<std::vector<StageInput>> ExampleInputs(const CanonOptions& options, con
 /// Name of the group of clips that share a floor, an item of the stage `level`.
 std::string FloorGroup(const ClipRecord& clip, LevelOf of);
 
-/// One item per floor, with the motions of at most options.most_clips of its clips, drawn by hash of their names.
+/// One item per floor, with the motions of at most 300 of its clips, drawn by hash of their names.
 std::vector<ItemSpec> LevelItems(const std::vector<ClipRecord>& clips, const LevelOptions& options);
 
 }  // namespace mocurate

@@ -40,7 +40,7 @@ const annotateFiles = {
     const text = root.querySelector('script.' + name).textContent;
     return Uint8Array.from(atob(text.split(',')[1]), c => c.charCodeAt(0));
   },
-  // Rows of x, y, z in mm (report/packed_frames.h): the root as three int16, each other joint as three int8 from it.
+  // Rows of x, y, z in mm (report/packed_frames.cpp): the root as three int16, each other joint as three int8 from it.
   poses(root, clip, joints) {
     const bytes = annotateFiles.bytes(root, 'poses'), view = new DataView(bytes.buffer);
     const wide = 6 + 3 * (joints - 1), rows = [];

@@ -94,6 +94,8 @@ class PlyParser {
       if (words[0] == "format") {
         read = Format(words);
         has_format = true;
+      } else if (!has_format && (words[0] == "element" || words[0] == "property")) {
+        return BadLine("'format' comes before elements and their properties");
       } else if (words[0] == "element") {
         read = Element(words);
       } else if (words[0] == "property") {

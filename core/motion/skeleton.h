@@ -51,7 +51,7 @@ struct LieChains {
 };
 
 /// Difference of a person's body shape from the mean of the same size, in standard deviations among people
-/// (`core/body/shape_offsets.h`).
+/// (`core/body/capsule_body.h`).
 inline constexpr int kShapeComponents = 5;
 using BodyShape = std::array<double, kShapeComponents>;
 

@@ -116,7 +116,8 @@ Expected<StageInput> MotionsInput(const std::string& name, const MotionFiles& fi
   const auto read = stages.One(MotionsDeclaration(), std::move(item->item));
   if (!read) return Forward(read);
   for (const Finding& finding : read->outcome.findings) {
-    if (finding.severity != Severity::kInfo) LogWarning(name + ": " + finding.clip + ": " + finding.message);
+    if (finding.severity == Severity::kInfo) continue;
+    LogWarning(name + ": " + (finding.clip.empty() ? "" : finding.clip + ": ") + finding.message);
   }
   return StageInput{"motions", name, read->artifact, read->sha256};
 }
