@@ -54,12 +54,32 @@ Expected<PointCloud> FromPcd(std::string_view bytes, const std::string& name) {
   return PointCloud{std::move(*points), Directions(columns, pcd->missing), 0};
 }
 
+/// Without the points that are 0 0 0, where there are several.
+Expected<PointCloud> DropWithoutDepth(Expected<PointCloud> cloud) {
+  if (!cloud) return cloud;
+  std::vector<Vector3d>& points = cloud->points;
+  const auto none = [](const Vector3d& point) { return point.isZero(0.0); };
+  const auto count = static_cast<std::size_t>(std::count_if(points.begin(), points.end(), none));
+  if (count < 2) return cloud;
+  const bool normals = !cloud->normals.empty();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (none(points[i])) continue;
+    if (normals) cloud->normals[kept] = cloud->normals[i];
+    points[kept++] = points[i];
+  }
+  points.resize(kept);
+  if (normals) cloud->normals.resize(kept);
+  cloud->without_depth = count;
+  return cloud;
+}
+
 }  // namespace
 
 Expected<PointCloud> ParsePointCloud(std::string_view bytes, const std::string& name) {
   const std::string_view begin = bytes.substr(std::min(bytes.size(), bytes.find_first_not_of(" \t\r\n")));
-  if (begin.substr(0, 3) == "ply") return FromPly(bytes, name);
-  if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return FromPcd(bytes, name);
+  if (begin.substr(0, 3) == "ply") return DropWithoutDepth(FromPly(bytes, name));
+  if (begin.substr(0, 1) == "#" || begin.substr(0, 7) == "VERSION") return DropWithoutDepth(FromPcd(bytes, name));
   return Fail(ErrorCode::kUnsupported, "the file is not a PLY or PCD cloud", name, "export it as PLY or PCD");
 }
 

@@ -19,6 +19,7 @@ struct PointCloud {
   std::vector<Vector3d> points;
   std::vector<Vector3d> normals;  ///< (points) unit, of the file; none where a point has none
   std::size_t triangles = 0;
+  std::size_t without_depth = 0;  ///< points at 0 0 0 of a file that has several: nothing was measured there; dropped
 };
 
 /// A PLY or a PCD file, by its first bytes. Errors of ParsePly, PlyPoints, PlyTriangles, ParsePcd and PcdPoints;

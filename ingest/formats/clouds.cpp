@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include "core/base/median.h"
 #include "core/base/sha256.h"
@@ -25,6 +26,18 @@ Status CheckSize(const std::vector<double>& sizes_m, const SourceFile& file) {
               file.name, "check ingest.source.units ('" + file.source.units + "')");
 }
 
+/// Where depth is missing, cameras write 0 0 0. `share`: of the points of a cloud.
+Finding WithoutDepth(double share, const std::string& place) {
+  return MakeFinding(
+      "points_without_depth", Severity::kWarning, share,
+      place + ": " + RoundedText(100.0 * share, 3) + " % of the points are 0 0 0, where no depth was measured: dropped",
+      FindingAction::kDropped);
+}
+
+double ShareWithoutDepth(const PointCloud& cloud) {
+  return static_cast<double>(cloud.without_depth) / static_cast<double>(cloud.points.size() + cloud.without_depth);
+}
+
 /// PLY or PCD files, one a frame -> point clouds by reference.
 Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   const Expected<SourceFrame> axes = FrameOf(file.source);
@@ -45,10 +58,17 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
   clouds.sha256.resize(clouds.files.size());
   for (int f = 0; f < span->frames; ++f) clouds.time_s.push_back(ingested.clip.rate.FrameTime(f));
   std::vector<double> sizes_m;
+  std::optional<Finding> without_depth;  // the largest share
   const auto take = [&](int f, const std::string& bytes, const std::string& name) -> Status {
     const Expected<PointCloud> cloud = ParsePointCloud(bytes, name);
     if (!cloud) return Forward(cloud);
-    if (cloud->points.empty()) return Fail(ErrorCode::kMalformed, "the cloud has no points", name, "export it again");
+    if (cloud->points.empty()) {
+      const char* what =
+          cloud->without_depth > 0 ? "all points are 0 0 0: no depth was measured" : "the cloud has no points";
+      return Fail(ErrorCode::kMalformed, what, name, "export it again");
+    }
+    const double share = ShareWithoutDepth(*cloud);
+    if (share > (without_depth ? without_depth->value : 0.0)) without_depth = WithoutDepth(share, name);
     sizes_m.push_back(metres * MeanMedian(DistancesFromMiddle(cloud->points)));
     clouds.files[static_cast<std::size_t>(f)] = name;
     clouds.sha256[static_cast<std::size_t>(f)] = Sha256Hex(bytes);
@@ -59,6 +79,7 @@ Expected<IngestedClip> ReadCloudsClip(const SourceFile& file) {
     return Fail(ErrorCode::kMalformed, "no file of the clip has a point; " + ingested.findings.back().message,
                 file.name, "export the clouds again");
   }
+  if (without_depth) ingested.findings.push_back(*without_depth);
   if (Status size = CheckSize(sizes_m, file); !size) return Forward(size);
   ingested.clip.evidence.clouds = std::move(clouds);
   return ingested;
@@ -68,6 +89,7 @@ Expected<RawFile> CloudIn(const FileBytes& file) {
   Expected<PointCloud> cloud = ParsePointCloud(file.bytes, file.name);
   if (!cloud) return Forward(cloud);
   RawFile observed;
+  if (cloud->without_depth > 0) observed.remarks.push_back(WithoutDepth(ShareWithoutDepth(*cloud), file.name));
   observed.clouds.push_back(
       {KindOf(file.bytes) == FileKind::kPly ? "ply" : "pcd", std::move(cloud->points), cloud->triangles});
   return observed;

@@ -112,6 +112,19 @@ TEST(CloudSource, LeavesTheNameEmptyForAMissingOrUnreadableFrame) {
   EXPECT_EQ(RefusalCode(options, "cloud_gaps"), ErrorCode::kMalformed);
 }
 
+TEST(CloudSource, DropsPointsWithoutDepth) {
+  const IngestOptions options = ThreeClouds("cloud_zeros");
+  std::string zeros = PlyOf(11);
+  zeros.replace(zeros.find("200"), 3, "500");
+  for (int i = 0; i < 300; ++i) zeros += "0 0 0\n";
+  Put(options.path / "walk/scan_011.ply", zeros);
+  const Ingested ingested = RunIngest(Discover(options)->items.at(0), "cloud_zeros");
+  ASSERT_TRUE(ingested.outcome) << ingested.outcome.error().Message();
+  EXPECT_DOUBLE_EQ(FindingOf(*ingested.outcome, "points_without_depth").value, 0.6);
+  const nlohmann::json inspection = InspectPath(options.path / "walk/scan_011.ply", std::nullopt);
+  EXPECT_EQ(inspection.at("clouds").at(0).at("points"), 200);
+}
+
 TEST(CloudSource, RejectsAnImplausibleUnit) {
   IngestOptions options = ThreeClouds("cloud_units");
   for (const char* unit : {"m", "0.01 mm"}) {
