@@ -22,7 +22,7 @@ void AddExport(const CommandLine& line) {
                    "FILE.safetensors for a network")
       ->required();
   std::vector<std::string> layouts;
-  std::string layout_help = "layout of the output (default npz):";
+  std::string layout_help = "layout of the output (default: by the ending of -o, else npz):";
   for (const Layout& layout : Layouts()) {
     layouts.emplace_back(layout.name);
     layout_help += (layouts.size() > 1 ? "; " : " ") + std::string(layout.name) + ": " + std::string(layout.help);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
@@ -59,6 +60,13 @@ std::vector<RefusedClip> UnreadableOf(const Inspection& inspection) {
 }
 
 }  // namespace
+
+std::optional<fs::path> DeclarationBeside(const fs::path& path) {
+  std::error_code unknown;
+  const fs::path file = path / "source.yaml";
+  if (!fs::is_directory(path, unknown) || !fs::is_regular_file(file, unknown)) return std::nullopt;
+  return file;
+}
 
 bool IsMotionStore(const fs::path& path) {
   std::error_code unknown;
@@ -127,6 +135,10 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
     return DeclaredMotions{std::move(*ingest), std::move(unreadable)};
   };
   if (!source.empty()) return declared(SourceOf(source), path, {});
+  if (const auto beside = DeclarationBeside(path)) {
+    LogInfo("read by the declaration beside the files, " + DisplayPath(*beside));
+    return declared(SourceOf(beside->string()), path, {});
+  }
   if (IsMotionStore(path)) return declared(MotionStoreConfig(path), path, {});
   const Inspection inspection = InspectPath(path, std::nullopt);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
@@ -143,7 +155,7 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
 Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles& files,
                                       const ExtractorOptions& extractor) {
   DeclaredMotions motions;
-  if (files.source.empty() && AreBareArrays(files.path)) {
+  if (files.source.empty() && AreBareArrays(files.path) && !DeclarationBeside(files.path)) {
     Expected<IngestOptions> arrays = DeclareArrays(files.path, extractor);
     if (!arrays) return Forward(arrays);
     motions.ingest = std::move(*arrays);

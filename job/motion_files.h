@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct MotionFiles {
 
 /// Whether the files are bare arrays of numbers, without axes, unit and joints: .npy, or a folder of them.
 bool AreBareArrays(const std::filesystem::path& path);
+
+/// The declaration `source.yaml` in a folder, as `mocurate export` writes it beside its files.
+std::optional<std::filesystem::path> DeclarationBeside(const std::filesystem::path& path);
 
 /// Whether a file is a dataset or MotionSet of mocurate, which declares everything itself.
 bool IsMotionStore(const std::filesystem::path& path);

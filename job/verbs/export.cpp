@@ -11,6 +11,7 @@
 #include "core/base/config.h"
 #include "core/base/file.h"
 #include "core/base/links.h"
+#include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/motion/gaps.h"
@@ -49,21 +50,30 @@ struct ClipsToExport {
   std::vector<RefusedClip> refused;                 ///< clips of the files that could not be read
 };
 
-/// Rows of the clips whose id is a name of --clip, or ends with it; all without names. Error for the first name without
-/// a clip.
+std::string WithoutSpan(const std::string& id) { return id.substr(0, id.rfind('#')); }
+
+/// Rows of the clips whose id is a name of --clip, or ends with it, with its span of frames or without where one clip
+/// has it; all without names. Error for the first name without a clip, or with several.
 Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& ids, const ExportArguments& arguments) {
   std::set<std::string> found;
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < ids.size(); ++row) {
     bool wanted = arguments.clips.empty();
     for (const std::string& name : arguments.clips) {
-      if (ids[row] != name && !EndsWith(ids[row], name)) continue;
+      if (!EndsWith(ids[row], name) && !EndsWith(WithoutSpan(ids[row]), name)) continue;
       found.insert(name);
       wanted = true;
     }
     if (wanted) rows.push_back(row);
   }
   for (const std::string& name : arguments.clips) {
+    const auto spans = std::count_if(ids.begin(), ids.end(), [&](const std::string& id) {
+      return !EndsWith(id, name) && EndsWith(WithoutSpan(id), name);
+    });
+    if (spans > 1) {
+      return Fail(ErrorCode::kUsage, std::to_string(spans) + " clips are of '" + name + "'",
+                  DisplayPath(arguments.path), "add the span of frames, as in '" + ids[rows.front()] + "'");
+    }
     if (found.count(name) != 0) continue;
     const std::string example = ids.empty() ? "" : ", e.g. --clip '" + ids.front() + "'";
     return Fail(ErrorCode::kUsage, "no clip has the id '" + name + "'", DisplayPath(arguments.path),
@@ -130,6 +140,10 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const Config
   if (!declared) return Forward(declared);
   Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}});
   if (!read) return Forward(read);
+  for (const Finding& finding : read->set.findings) {
+    if (finding.severity == Severity::kError)
+      LogWarning(finding.clip + ": " + finding.message + " (" + finding.code + ")");
+  }
   const auto set = std::make_shared<const Dataset>(std::move(read->set));
   std::vector<std::string> ids;
   for (const Clip& clip : set->clips) ids.push_back(clip.id());
@@ -162,6 +176,16 @@ Expected<ClipsToExport> OpenClipsToExport(const ExportArguments& arguments, cons
   Expected<ClipsToExport> open = ours ? OpenDataset(arguments) : ReadFiles(arguments, rules);
   if (open) open->set.checks = ActionsOfChecks();
   return open;
+}
+
+/// The one that is asked for; else the first whose files have the ending of the output, else the first.
+const Layout& LayoutOf(const ExportArguments& arguments) {
+  if (!arguments.layout.empty()) return *FindLayout(arguments.layout);
+  const std::string ending = arguments.output.extension().string();
+  const auto of_ending = std::find_if(Layouts().begin(), Layouts().end(), [&](const Layout& layout) {
+    return !layout.ending.empty() && layout.ending == ending;
+  });
+  return of_ending == Layouts().end() ? Layouts().front() : *of_ending;
 }
 
 /// Destination of an export.
@@ -322,16 +346,16 @@ std::size_t OtherFilesIn(const fs::path& folder, const std::set<fs::path>& writt
   return others;
 }
 
-void PrintExported(CommonArguments& common, const ExportArguments& arguments, const std::string& representation,
-                   const Exported& exported) {
+void PrintExported(CommonArguments& common, const ExportArguments& arguments, const Layout& layout,
+                   const std::string& representation, const Exported& exported) {
   nlohmann::json refused = nlohmann::json::object();
   for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
   nlohmann::json answer = {
-      {"layout", arguments.layout}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
+      {"layout", layout.name}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
   if (!representation.empty()) answer["representation"] = representation;
   if (!AnswersInText(common, answer)) return;
   Print("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
-        representation.empty() ? arguments.layout.c_str() : representation.c_str(),
+        representation.empty() ? std::string(layout.name).c_str() : representation.c_str(),
         DisplayPath(arguments.output).c_str());
   for (const RefusedClip& clip : exported.refused) {
     Print("refused: %s: %s\n", clip.item.c_str(), clip.error.Message().c_str());
@@ -343,7 +367,7 @@ void PrintExported(CommonArguments& common, const ExportArguments& arguments, co
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
-  const Layout& layout = *FindLayout(arguments.layout);
+  const Layout& layout = LayoutOf(arguments);
   const Expected<ExportPlace> place = PlaceOf(arguments, layout);
   if (!place) return Forward(place);
   if (Status fits = CheckLayoutArguments(arguments, layout, *place); !fits) return fits;
@@ -377,7 +401,7 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
     exported.notes.push_back(Counted(static_cast<long long>(others), "other file") +
                              " remain in the folder; source.yaml also reads those named like clips");
   }
-  PrintExported(common, arguments, representation, exported);
+  PrintExported(common, arguments, layout, representation, exported);
   if (exported.refused.empty()) return {};
   const auto& [name, error] = exported.refused.front();
   return Fail(ErrorCode::kTooManyFailures,

@@ -153,20 +153,7 @@ bool IsAssigned(const FitArguments& arguments, const std::string& option) {
                      [&](const std::string& text) { return text.rfind(option + "=", 0) == 0; });
 }
 
-/// Assumptions about unnamed columns, unless the command line declares them.
-void FindAssumptions(const FitArguments& arguments, const Inspection& inspection, std::vector<Finding>& findings) {
-  for (const char* deciding : {"least_confidence", "columns", "layout"}) {
-    if (IsAssigned(arguments, std::string("ingest.source.") + deciding)) return;
-  }
-  for (const Finding& finding : inspection.findings) {
-    if (finding.code != "confidence_guessed") continue;
-    findings.push_back(MakeFinding(finding.code, finding.severity, finding.value, finding.clip + ": " + finding.message,
-                                   finding.action));
-    return;
-  }
-}
-
-/// `findings`: what is assumed, and what is left out.
+/// `findings`: what is left out.
 Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& findings) {
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> source = SourceOf(arguments.source);
@@ -178,7 +165,6 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
   const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
   if (!written) return Forward(written);
-  FindAssumptions(arguments, inspection, findings);
   for (const std::string& other : written->others) {
     findings.push_back(MakeFinding(
         "other_sources", Severity::kWarning, 0.0,
@@ -197,7 +183,11 @@ Status CheckUnknown(const FitArguments& arguments, const Declared& declared) {
   if (open.empty()) return {};
   std::string example;
   for (const std::string& option : open) {
-    const char* value = option == "rate" ? "'30 Hz'" : option == "axes" ? "AXES" : option == "units" ? "m" : "...";
+    const char* value = option == "rate"      ? "'30 Hz'"
+                        : option == "axes"    ? "AXES"
+                        : option == "units"   ? "m"
+                        : option == "columns" ? "'[x, y, z, confidence]'"
+                                              : "...";
     example += (example.empty() ? "" : " ") + std::string("--set ingest.source.") + option + "=" + value;
   }
   const bool axes = std::find(open.begin(), open.end(), "axes") != open.end();

@@ -13,6 +13,7 @@
 #include "core/pipeline/stage_run.h"
 #include "ingest/inspect/inspect.h"
 #include "job/config_loading.h"
+#include "job/motion_files.h"
 #include "job/named_configs.h"
 #include "job/run_and_capture.h"
 #include "job/verbs/inputs_and_outputs.h"
@@ -109,9 +110,12 @@ InspectProgress PrintProgress() {
   };
 }
 
-/// The first finding of severity error as the verb's error, without clips.
+/// The first finding of severity error as the verb's error, without clips; one about the declaration with clips too.
 Status FirstError(const Inspection& inspection) {
   for (const Finding& finding : inspection.findings) {
+    const bool declaration = finding.code == Name(ErrorCode::kConfig) || finding.code == "units_unknown" ||
+                             finding.code == "unknown_skeleton";
+    if (declaration) return Fail(ErrorCode::kConfig, finding.message, finding.clip);
     if (finding.severity != Severity::kError || !inspection.clips.empty()) continue;
     return Fail(ErrorCode::kMalformed, finding.message, finding.clip);
   }
@@ -134,8 +138,7 @@ Status Unreadable(CommonArguments& common, const std::filesystem::path& path, co
 
 /// A config, or a source declaration by its name; a declaration whose folder variable is unset applies to the inspected
 /// files.
-Expected<SourceOptions> LoadSource(const InspectArguments& arguments, const ConfigRules& rules) {
-  const std::string name = arguments.source.string();
+Expected<SourceOptions> LoadSource(const std::string& name, const ConfigRules& rules) {
   const Expected<ConfigSource> source = SourceOf(name);
   if (!source) return Forward(source);
   auto job = LoadJob(*source, {}, rules);
@@ -165,8 +168,13 @@ Status InspectVerb(CommonArguments& common, const InspectArguments& arguments) {
     return {};
   }
   std::optional<SourceOptions> source;
-  if (!arguments.source.empty()) {
-    Expected<SourceOptions> declared = LoadSource(arguments, {common.allow_include});
+  std::string declaration = arguments.source.string();
+  if (const auto beside = declaration.empty() ? DeclarationBeside(arguments.path) : std::nullopt) {
+    LogInfo("read by the declaration beside the files, " + DisplayPath(*beside));
+    declaration = beside->string();
+  }
+  if (!declaration.empty()) {
+    Expected<SourceOptions> declared = LoadSource(declaration, {common.allow_include});
     if (!declared) return Forward(declared);
     source = *std::move(declared);
   }
