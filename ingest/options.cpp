@@ -226,8 +226,8 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   DeclarePadding(padding, v);
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 43, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 6, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 44, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 7, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

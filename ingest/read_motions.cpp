@@ -262,7 +262,7 @@ Expected<MotionLabels> ReadMotionLabels(const std::filesystem::path& file) {
     return labels;
   }
   int line_number = 0;
-  for (const std::string_view raw : SplitText(*bytes, '\n')) {
+  for (const std::string_view raw : SplitText(WithoutByteOrderMark(*bytes), '\n')) {
     ++line_number;
     const std::string line(Trim(raw));
     if (line.empty()) continue;
@@ -314,7 +314,7 @@ Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file) {
     }
   } else {
     int line_number = 0;
-    for (const std::string_view raw : SplitText(*bytes, '\n')) {
+    for (const std::string_view raw : SplitText(WithoutByteOrderMark(*bytes), '\n')) {
       ++line_number;
       const std::string line(Trim(raw));
       if (line.empty()) continue;

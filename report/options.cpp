@@ -63,7 +63,7 @@ StageDeclaration ReportDeclaration() { return {"report", 20, "mocurate-annotate"
 
 StageDeclaration ReviewDeclaration() { return {"review", 3, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration AnnotateDeclaration() { return {"annotate", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 4, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration SurveyDeclaration() { return {"survey", 2, "mocurate-annotate", WholeSetLimits()}; }
 

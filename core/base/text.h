@@ -27,6 +27,8 @@ std::string ZeroPadded(int number, int width);
 std::string Counted(long long count, std::string_view noun);
 
 std::string_view Trim(std::string_view text);
+/// Without the mark that some programs put before UTF-8.
+std::string_view WithoutByteOrderMark(std::string_view text);
 bool EndsWith(std::string_view text, std::string_view end);
 std::vector<std::string_view> SplitText(std::string_view text, char separator);
 /// Fields between runs of blanks and tabs.

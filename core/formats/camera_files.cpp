@@ -174,8 +174,7 @@ json JsonOfToml(const toml::node& node, int depth) {
 }
 
 Expected<json> ParseToml(std::string_view bytes, const std::string& name) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
+  bytes = WithoutByteOrderMark(bytes);
   if (Trim(bytes).empty()) return EmptyFile(name);
   int number = 0;
   for (const std::string_view line : SplitText(bytes, '\n')) {

@@ -355,11 +355,13 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   table.column_names = ColumnNames(layout, table.columns);
   Expected<JointTable> read = ParseJointTable(bytes, table, name);
   if (!read) return Forward(read);
+  const std::vector<std::string> names = read->names();
   JointRows rows;
   rows.frames = read->frames;
   rows.joints = layout.Joints();
   rows.rows_left_over = read->rows_left_over;
   rows.findings = std::move(read->findings);
+  rows.header = std::move(read->header);
   const std::size_t frames = static_cast<std::size_t>(rows.frames);
   const std::size_t joints = frames * static_cast<std::size_t>(rows.joints);
   rows.position.resize(joints * 3);
@@ -374,7 +376,7 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
                 "the rows of frame " + std::to_string(f) + " repeat different numbers or times of it", name,
                 "a row is lost or repeated: compare the file with its source, or correct rows_per_frame");
   }
-  if (Status laid = LayOut(layout, read->names, rate_hz, name, rows); !laid) return Forward(laid);
+  if (Status laid = LayOut(layout, names, rate_hz, name, rows); !laid) return Forward(laid);
   return rows;
 }
 

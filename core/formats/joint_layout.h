@@ -61,9 +61,10 @@ struct JointRows {
   std::vector<double> rotation;             ///< (frames, joints, 9) row by row; 0 where a joint has none; empty: none
   std::vector<double> rotation_confidence;  ///< (frames, joints); 0 where a joint has no rotation; empty: none
   std::vector<double> counter;              ///< (frames) numbers or times as written; empty: none declared
-  double hz = 0.0;                          ///< by the times; 0: none declared, or fewer than two
-  std::vector<Finding> findings;            ///< those of the table; "frame_number": does not follow the one before;
-                                            ///< "time_gap": frames without a row, which are NaN in their place
+  std::vector<std::vector<std::string>> header;  ///< of the table
+  double hz = 0.0;                               ///< by the times; 0: none declared, or fewer than two
+  std::vector<Finding> findings;  ///< those of the table; "frame_number": does not follow the one before;
+                                  ///< "time_gap": frames without a row, which are NaN in their place
 };
 
 /// `table` declares how the text is split into rows (separator, missing, END, damaged rows); its rows_per_frame must

@@ -31,11 +31,12 @@ char OtherSeparator(std::string_view line) {
   return 0;
 }
 
-/// The cells of a line of a header, between commas, tabs or blanks.
-std::vector<std::string> HeaderNames(std::string_view line) {
+/// The cells of a line of a header, between commas, semicolons, tabs or blanks.
+std::vector<std::string> HeaderCells(std::string_view line) {
   if (!line.empty() && (line[0] == '#' || line[0] == '%')) line.remove_prefix(1);
-  const char separator = line.find(',') != std::string_view::npos ? ',' : '\t';
-  const bool blanks = line.find(separator) == std::string_view::npos;
+  const std::size_t first = line.find_first_of(",;\t");
+  const bool blanks = first == std::string_view::npos;
+  const char separator = blanks ? ' ' : line[first];
   std::vector<std::string> names;
   for (std::string_view cell : blanks ? SplitBlanks(line) : SplitText(line, separator)) {
     cell = Trim(cell);
@@ -162,11 +163,11 @@ class JointTableParser {
       table_.values.resize(begin);
       AddFinding("not_a_number", 0, static_cast<double>(none),
                  name_ + ":" + std::to_string(line) + ": " + Counted(none, "word") +
-                     " before the first row of numbers: skipped as a header");
+                     " before the first row of numbers: a header");
       table_.findings.back().frame_end = 0;
       table_.findings.back().severity = Severity::kInfo;
       table_.findings.back().action = FindingAction::kExcluded;
-      table_.names = HeaderNames(text);
+      table_.header.push_back(HeaderCells(text));
       return {};
     }
     if (table_.columns == 0) table_.columns = row.numbers;
@@ -299,8 +300,6 @@ class JointTableParser {
       table_.findings.back().severity = Severity::kError;
     }
     if (frames > std::numeric_limits<int>::max()) return Fail(ErrorCode::kUnsupported, "too many frames", name_);
-    if (!table_.names.empty() && table_.names.back().empty()) table_.names.pop_back();  // behind a last separator
-    if (static_cast<int>(table_.names.size()) != table_.columns) table_.names.clear();
     Report("not_a_number", not_finite_, " (if it means a missing joint, declare `missing: nan`)");
     Report("number_too_large", too_large_, "");
     table_.frames = static_cast<int>(frames);
@@ -333,6 +332,13 @@ class JointTableParser {
 };
 
 }  // namespace
+
+std::vector<std::string> JointTable::names() const {
+  if (header.empty()) return {};
+  std::vector<std::string> last = header.back();
+  if (static_cast<int>(last.size()) == columns + 1 && last.back().empty()) last.pop_back();  // behind a last separator
+  return static_cast<int>(last.size()) == columns ? last : std::vector<std::string>();
+}
 
 Expected<JointTable> ParseJointTable(std::string_view bytes, const JointTableLayout& layout, const std::string& name) {
   if (bytes.substr(0, 2) == "\xFF\xFE" || bytes.substr(0, 2) == "\xFE\xFF") {

@@ -28,12 +28,14 @@ struct JointTable {
   int frames = 0;
   int rows_per_frame = 0;
   int columns = 0;
-  std::vector<double> values;      ///< NaN: not a finite number, or a damaged frame
-  std::vector<std::string> names;  ///< (columns) of the last line of a header; empty: none, or of other columns
-  int rows_left_over = 0;          ///< with DamagedRows::kReport: after the last complete frame
+  std::vector<double> values;                    ///< NaN: not a finite number, or a damaged frame
+  std::vector<std::vector<std::string>> header;  ///< cells of the lines before the first row
+  int rows_left_over = 0;                        ///< with DamagedRows::kReport: after the last complete frame
   std::vector<Finding>
       findings;  ///< with DamagedRows::kReport: "row_length", "not_a_number", "number_too_large", "cut_off"
 
+  /// (columns) of the last line of the header; empty: none, or of other columns.
+  std::vector<std::string> names() const;
   double at(int frame, int row, int column) const {
     return values[(static_cast<std::size_t>(frame) * rows_per_frame + row) * columns + column];
   }

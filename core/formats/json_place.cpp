@@ -165,8 +165,7 @@ std::string RotationFault(const Matrix3d& matrix) {
 }
 
 Expected<json> ParseLenientJson(std::string_view bytes, const std::string& name) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (bytes.substr(0, 3) == kByteOrderMark) bytes.remove_prefix(3);
+  bytes = WithoutByteOrderMark(bytes);
   Expected<json> value = ParseJson(bytes, name);
   if (value) return value;
   Expected<json> with_words = ParseJson(QuoteNonFiniteWords(bytes), name);

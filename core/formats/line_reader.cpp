@@ -20,9 +20,8 @@ bool SameWord(std::string_view a, std::string_view b) {
          std::equal(a.begin(), a.end(), b.begin(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
-LineReader::LineReader(std::string_view bytes, std::string name) : rest_(bytes), name_(std::move(name)) {
-  if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
-}
+LineReader::LineReader(std::string_view bytes, std::string name)
+    : rest_(WithoutByteOrderMark(bytes)), name_(std::move(name)) {}
 
 std::string_view LineReader::Next() {
   while (!rest_.empty()) {

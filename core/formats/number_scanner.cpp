@@ -105,8 +105,7 @@ bool HasDecimalCommas(std::string_view line) {
 
 NumberScanner::NumberScanner(std::string_view bytes, bool comma_separates, int first_line)
     : at_(bytes.data()), end_(bytes.data() + bytes.size()), comma_separates_(comma_separates), line_(first_line) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (first_line == 1 && bytes.substr(0, 3) == kByteOrderMark) at_ += 3;
+  if (first_line == 1) at_ = WithoutByteOrderMark(bytes).data();
 }
 
 inline bool NumberScanner::Separates(char c) const { return IsBlank(c) || (comma_separates_ && c == ','); }

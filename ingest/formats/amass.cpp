@@ -74,7 +74,7 @@ Finding FrozenPose(bool zero, bool carried, std::size_t begin, std::size_t end, 
 /// "frozen_pose": frames on end in which every rotation of the body's joints (the root's and the hands' aside) is what
 /// it was to the last digit, while the root is carried on: `trans` changes in at least half of the steps. 5 frames or
 /// more are reported, at most 20 spans; value: frames; an error from half of the clip on. Fitted poses of who stands
-/// still differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/repeats.h). Of rotations
+/// still differ in every frame, and who repeats as a whole is "frozen_frames" (core/quality/checks.h). Of rotations
 /// that are all 0, which no fit gives, a single such frame is reported, wherever the root is.
 std::vector<Finding> CheckFrozenPoses(const Amass& amass) {
   std::vector<Finding> findings;
@@ -347,8 +347,13 @@ Expected<RawFile> NpzIn(const FileBytes& file) {
   }
   for (const Error& unsafe : archive->unsafe) observed.remarks.push_back(UnsafeMember(unsafe));
   std::optional<Error> exchanged;
+  std::vector<std::string> parameters;
   for (const NpzMember& member : archive->members) {
     if (!member.skipped.empty()) continue;
+    if (IsBodyParameter(member.name)) {
+      parameters.push_back(member.name);
+      continue;
+    }
     auto clips = ReadRawArray(member.array, file.name + ":" + member.name);
     // An archive may hold other arrays beside those of joints.
     if (!clips && clips.error().code == ErrorCode::kInconsistent) exchanged = clips.error();
@@ -361,6 +366,10 @@ Expected<RawFile> NpzIn(const FileBytes& file) {
   }
   if (observed.clips.empty() && !archive->unsafe.empty()) return tl::unexpected<Error>(archive->unsafe.front());
   if (observed.clips.empty() && exchanged) return tl::unexpected<Error>(*exchanged);
+  if (observed.clips.empty() && !parameters.empty()) {
+    return Fail(ErrorCode::kUnsupported, "parameters of SMPL (" + JoinTexts(parameters) + "), not joint positions",
+                file.name, "write them as AMASS does: `poses`, `trans`, `betas`, `gender` and `mocap_framerate`");
+  }
   if (observed.clips.empty()) {
     return Fail(ErrorCode::kUnsupported, "no array of the archive is a sequence of joint positions", file.name,
                 "expected: (frames, joints, 3), or AMASS");

@@ -9,6 +9,8 @@
 #include "core/formats/number_scanner.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
+#include "ingest/formats/joint_table.h"
+#include "ingest/formats/table_header.h"
 #include "ingest/inspect/comparison.h"
 #include "ingest/inspect/joint_orders.h"
 #include "ingest/inspect/read_raw.h"
@@ -70,6 +72,13 @@ bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
   return true;
 }
 
+/// Whether the declaration is that of the file's header, where that names joints.
+Status FollowsHeader(const JointRows& rows, const JointLayout& layout, const SourceOptions& source,
+                     const std::string& name) {
+  const Expected<std::vector<HeaderColumn>> columns = HeaderColumns(rows.header, layout.NumbersPerFrame(), name);
+  return columns ? CheckHeader(*columns, layout, source, name) : Status(Forward(columns));
+}
+
 std::string RowCountProblem(const JointRows& rows, int per_frame) {
   const long long count = static_cast<long long>(rows.frames) * per_frame + rows.rows_left_over;
   const int missing = per_frame - rows.rows_left_over;
@@ -78,8 +87,8 @@ std::string RowCountProblem(const JointRows& rows, int per_frame) {
          std::to_string(rows.rows_left_over) + " too many";
 }
 
-/// Joints of a table by its declaration. Errors of ParseJointRows; kInconsistent where the rows are not a whole number
-/// of frames and the last frames are not a body in the declared order: a row is lost or repeated.
+}  // namespace
+
 Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view bytes, const std::string& name) {
   const Expected<std::optional<std::string>> points = WithDecimalPoints(bytes, name);
   if (!points) return Forward(points);
@@ -96,13 +105,17 @@ Expected<JointRows> ReadTableRows(const SourceOptions& source, std::string_view 
   table.damaged_rows = source.damaged_rows;
   table.end_word = source.end_word;
   Expected<JointRows> rows = ParseJointRows(bytes, *layout, table, name, source.rate_hz.value_or(0.0));
-  if (!rows || rows->rows_left_over == 0) return rows;
+  if (!rows) return rows;
+  if (Status header = FollowsHeader(*rows, *layout, source, name); !header) return Forward(header);
+  if (rows->rows_left_over == 0) return rows;
   // A file that is cut off is a body up to its end; after a lost or repeated row, joints get wrong names.
   if (EndsAsBody(*rows, source)) return rows;
   return Fail(ErrorCode::kInconsistent, RowCountProblem(*rows, table.rows_per_frame), name,
               "the joints stop forming a body before the end of the file: compare the file with its source, or "
               "correct ingest.source.rows_per_frame and joints");
 }
+
+namespace {
 
 /// The names of columns and joints, all that are wrong at once.
 Status CheckTableNames(const SourceOptions& s) {

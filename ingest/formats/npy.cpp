@@ -3,6 +3,7 @@
 
 #include "core/base/text.h"
 #include "core/formats/file_rules.h"
+#include "core/formats/mdm_results.h"
 #include "core/formats/npy.h"
 #include "core/motion/kinematics.h"
 #include "core/motion/operations.h"
@@ -149,6 +150,10 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   if (!array->texts.empty()) {
     return Fail(ErrorCode::kInconsistent, "the array holds text, not joint positions", file.name);
   }
+  if (const std::string rotations = source.lie_bone_lengths.empty() ? RotationsInstead(*array, file.name) : "";
+      !rotations.empty()) {
+    return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, file.name);
+  }
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
     return Fail(ErrorCode::kInconsistent, "an array of shape " + ArrayShapeText(*array) + " holds " + other, file.name);
   }
@@ -209,14 +214,14 @@ void RemarkDamaged(const DamagedNumbers& damaged, RawClip& clip) {
 
 bool IsCoordinate(double value) { return std::isfinite(value) && std::abs(value) <= kLargestNumber; }
 
-/// The positions of one clip of an array; invalid coordinates are missing.
-RawClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t number, const std::string& name) {
+/// The positions of one clip, (frames, joints, 3) from `values` on; invalid coordinates are missing.
+RawClip PlacesIn(const double* values, std::size_t frames, std::size_t joints, const std::string& name) {
   RawClip clip;
-  clip.frames = static_cast<int>(held.frames);
-  clip.joints = static_cast<int>(held.joints);
+  clip.format = "npy";
+  clip.frames = static_cast<int>(frames);
+  clip.joints = static_cast<int>(joints);
   clip.positions = JointPositions(clip.frames, clip.joints);
-  clip.confidence.assign(held.frames * held.joints, 1.0);
-  const double* values = array.values.data() + number * clip.positions.xyz.size();
+  clip.confidence.assign(frames * joints, 1.0);
   for (std::size_t i = 0; i < clip.positions.xyz.size(); ++i) {
     clip.positions.xyz[i] = IsCoordinate(values[i]) ? values[i] : 0.0;
     if (!IsCoordinate(values[i])) clip.confidence[i / 3] = 0.0;
@@ -225,7 +230,37 @@ RawClip PlacesIn(const NpyArray& array, const ArrayShape& held, std::size_t numb
   return clip;
 }
 
+/// Names the points, or says why they have no names.
+void RecognisePoints(RawClip& clip) {
+  if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; })) {
+    clip.remarks.push_back(
+        MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
+                    "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")));
+  } else if (!RecogniseOrder(clip)) {
+    CheckPositions(clip);
+  }
+}
+
+Expected<RawFile> MdmIn(const FileBytes& file) {
+  const Expected<MdmResults> results = MdmResults::Open(file.bytes, file.name);
+  if (!results) return Forward(results);
+  RawFile observed;
+  for (std::size_t i = 0; i < results->size(); ++i) {
+    const Expected<NpyArray> motion = results->Motion(i);
+    if (!motion) return Forward(motion);
+    RawClip clip = PlacesIn(motion->values.data(), motion->shape[0], motion->shape[1], file.name);
+    clip.id = "[" + std::to_string(i) + "]";
+    clip.layout_evidence = "`motion` of MDM's results, cut to its `lengths`";
+    if (!results->Label(i).empty()) clip.facts.emplace_back("label", results->Label(i));
+    RecognisePoints(clip);
+    observed.clips.push_back(std::move(clip));
+  }
+  return observed;
+}
+
 Expected<RawFile> NpyIn(const FileBytes& file) {
+  const Expected<NpyArray> header = ParseNpyHeader(file.bytes, file.name);
+  if (header && IsArrayOfObjects(*header)) return MdmIn(file);
   const Expected<NpyArray> array = ParseNpy(file.bytes, file.name);
   if (!array) return Forward(array);
   return RawFile::Of(ReadRawArray(*array, file.name));
@@ -247,18 +282,23 @@ Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::st
   }
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NoValidSamples(array.values.size(), name);
+  if (const std::string rotations = RotationsInstead(array, name); !rotations.empty())
+    return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, name);
   std::vector<RawClip> observed;
+  const std::size_t numbers = held->frames * held->joints * 3;
   for (std::size_t c = 0; c < held->clips; ++c) {
-    RawClip clip = PlacesIn(array, *held, c, name);
+    const double* values = array.values.data() + c * numbers;
+    NpyArray turned;
+    if (held->frames_last) {
+      turned.shape = {held->joints, 3, held->frames};
+      turned.values.assign(values, values + numbers);
+      turned = FramesFirst(turned, held->frames);
+      values = turned.values.data();
+    }
+    RawClip clip = PlacesIn(values, held->frames, held->joints, name);
     clip.id = held->batch ? "[" + std::to_string(c) + "]" : "";
-    clip.format = "npy";
     clip.layout_evidence = "shape " + shape + " of " + array.dtype;
-    if (std::none_of(clip.confidence.begin(), clip.confidence.end(), [](double seen) { return seen > 0.0; }))
-      clip.remarks.push_back(
-          MakeFinding("no_joint_seen", Severity::kError, static_cast<double>(clip.frames),
-                      "no joint is seen in " + std::to_string(clip.frames) + " of " + Counted(clip.frames, "frame")));
-    else if (!RecogniseOrder(clip))
-      CheckPositions(clip);
+    RecognisePoints(clip);
     observed.push_back(std::move(clip));
   }
   return observed;
@@ -268,10 +308,7 @@ Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::str
   const NpyArray& array = *exported.joints;
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NoValidSamples(array.values.size(), name);
-  ArrayShape shape;
-  shape.frames = array.shape[0];
-  shape.joints = array.shape[1];
-  RawClip clip = PlacesIn(array, shape, 0, name);
+  RawClip clip = PlacesIn(array.values.data(), array.shape[0], array.shape[1], name);
   clip.format = "npz";
   clip.layout_evidence = "array 'joints' of a file of `mocurate export`";
   clip.rate_hz = exported.rate_hz;

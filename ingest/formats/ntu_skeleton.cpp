@@ -161,8 +161,10 @@ Expected<RawFile> NtuIn(const FileBytes& file) {
     return Fail(ErrorCode::kInconsistent, "the file holds 0 frames", name, "remove the file");
   }
   if (ids.empty()) {
-    return Fail(ErrorCode::kInconsistent, "no frame has a body: one of the set's files with missing skeletons", name,
-                "remove the file");
+    return Fail(ErrorCode::kInconsistent,
+                "no frame of " + std::to_string(skeleton->frames.size()) +
+                    " has a body: one of the set's files with missing skeletons",
+                name, "remove the file");
   }
   // A clip of a body has all frames of the file.
   if (Status fits = CheckPoseMemory(kNtuJoints * ids.size(), skeleton->frames.size(), file.bytes.size(), name); !fits) {
@@ -189,9 +191,11 @@ Expected<RawFile> NtuIn(const FileBytes& file) {
   return RawFile::Of(std::move(clips));
 }
 
-/// By the name too: too little is left of a file that is cut off behind its counts.
+/// By the name too: too little is left of a file that is cut off behind its counts, or has no body.
 bool IsNtu(const FileBytes& file, FileKind kind) {
-  return kind == FileKind::kNtuSkeleton || (kind == FileKind::kUnknown && file.path.extension() == ".skeleton");
+  const bool counts = file.bytes.find_first_not_of("0123456789 \t\r\n") == std::string_view::npos;
+  const bool text = kind == FileKind::kUnknown || (kind == FileKind::kNumbers && counts);
+  return kind == FileKind::kNtuSkeleton || (text && file.path.extension() == ".skeleton");
 }
 
 }  // namespace

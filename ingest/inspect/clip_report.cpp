@@ -83,8 +83,7 @@ ClipInMetres::ClipInMetres(const RawClip& clip, const std::string& units, const 
   known = metres.has_value() && !up.empty();
   const Matrix3d map = MetresYUp(metres ? *metres : 1.0, up);
   for (int f = 0; f < positions.frames; ++f) {
-    const bool counted = static_cast<int>(clip.frame_numbers.size()) == positions.frames;
-    time_s.push_back((counted ? clip.frame_numbers[static_cast<std::size_t>(f)] - clip.frame_numbers[0] : f) / rate_hz);
+    time_s.push_back(f / rate_hz);
     for (int j = 0; j < positions.joints; ++j) positions.at(f, j) = map * clip.positions.at(f, j);
   }
   // An order that was guessed by its bones says nothing new of them.

@@ -16,7 +16,6 @@
 namespace mocurate {
 namespace {
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::size_t kMostKeys = 64;
 
 bool StartsWith(std::string_view text, std::string_view begin) { return text.substr(0, begin.size()) == begin; }
@@ -157,11 +156,20 @@ FileKind NumbersKind(std::string_view bytes) {
   return numbers >= 3 ? FileKind::kNumbers : FileKind::kUnknown;
 }
 
-/// The keys of the top object and of its first value.
+/// "[]", "[{" or "[1": TOML has a name between brackets.
+bool BeginsAsJsonList(std::string_view bytes) {
+  const std::size_t inside = bytes.find_first_not_of("[ \t\r\n");
+  if (inside == std::string_view::npos) return false;
+  const char c = bytes[inside];
+  return c == ']' || c == '{' || c == '-' || (c >= '0' && c <= '9');
+}
+
+/// The keys of the top object, or of the objects of a top list, and of its first value.
 class TopKeys : public nlohmann::json_sax<nlohmann::json> {
  public:
   std::set<std::string> top, below;
   bool keypoints = false;  ///< of OpenPose's people, anywhere
+  bool list = false;       ///< the file is a list
 
   bool null() override { return true; }
   bool boolean(bool) override { return true; }
@@ -172,12 +180,16 @@ class TopKeys : public nlohmann::json_sax<nlohmann::json> {
   bool binary(binary_t&) override { return true; }
   bool start_object(std::size_t) override { return ++depth_ > 0; }
   bool end_object() override { return --depth_ >= 0; }
-  bool start_array(std::size_t) override { return ++depth_ > 0; }
+  bool start_array(std::size_t) override {
+    list = list || depth_ == 0;
+    return ++depth_ > 0;
+  }
   bool end_array() override { return --depth_ >= 0; }
   bool key(string_t& name) override {
-    if (depth_ == 1) top.insert(name);
+    const int first = list ? 2 : 1;
+    if (depth_ == first) top.insert(name);
     keypoints = keypoints || name == "pose_keypoints_2d";
-    if (depth_ == 2 && top.size() == 1) below.insert(name);
+    if (depth_ == first + 1 && top.size() == 1) below.insert(name);
     return top.size() < kMostKeys;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
@@ -215,7 +227,7 @@ FileKind KindOf(std::string_view bytes) {
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
   if (BeginsAsOldPickle(bytes.substr(0, kKindHead))) return FileKind::kPickle;
   if (IsWideBvh(bytes)) return FileKind::kBvh;
-  if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
+  bytes = WithoutByteOrderMark(bytes);
   const std::size_t first = bytes.find_first_not_of(" \t\r\n\f\v");
   if (first == std::string_view::npos) return FileKind::kEmpty;
   bytes.remove_prefix(first);
@@ -228,6 +240,7 @@ FileKind KindOf(std::string_view bytes) {
   const std::vector<std::string_view> lines = LinesOf(bytes);
   if (const FileKind acclaim = AcclaimKind(lines); acclaim != FileKind::kUnknown) return acclaim;
   if (IsBareAmc(lines)) return FileKind::kAmc;
+  if (bytes[0] == '[' && BeginsAsJsonList(bytes)) return FileKind::kJson;
   if (bytes[0] == '[' && lines[0].back() == ']' && lines[0].find('"') == std::string_view::npos) return FileKind::kToml;
   // A storage whose first line is damaged: its reader says so.
   if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvYaml;
@@ -238,10 +251,13 @@ FileKind KindOf(std::string_view bytes) {
 }
 
 JsonKind JsonKindOf(std::string_view bytes) {
-  if (StartsWith(bytes, kByteOrderMark)) bytes.remove_prefix(3);
+  bytes = WithoutByteOrderMark(bytes);
   TopKeys keys;
   nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
   const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
+  if (keys.list && keys.top.empty()) return JsonKind::kList;
+  if (has("k4abt_sdk_version") || (has("joint_names") && has("bone_list"))) return JsonKind::kAzureBodies;
+  if (keys.list && (has("keypoints3d") || has("keypoints"))) return JsonKind::kEasyMocap;
   if (has("people") || keys.keypoints) return JsonKind::kOpenPose;
   if (has("bodies")) return JsonKind::kPanopticBodies;
   if (has("views") && has("frames")) return JsonKind::kDepthSequence;

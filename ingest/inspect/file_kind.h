@@ -41,7 +41,18 @@ constexpr std::size_t kKindHead = 8192;  ///< bytes at the start of a file that 
 FileKind KindOf(std::string_view bytes);
 
 /// What a JSON file is, by its keys; kOther: none of these, it may be a calibration.
-enum class JsonKind { kOther, kDepthSequence, kDepthStill, kOpenPose, kPanopticBodies, kBabel, kBandaiLabel };
+enum class JsonKind {
+  kOther,
+  kDepthSequence,
+  kDepthStill,
+  kOpenPose,
+  kPanopticBodies,
+  kBabel,
+  kBandaiLabel,
+  kList,        ///< without objects: EasyMocap writes [] for a frame without people
+  kEasyMocap,   ///< people of EasyMocap, or of a list of COCO's keypoints
+  kAzureBodies  ///< body tracking of the Azure Kinect
+};
 
 /// Reads no further than it must: at most 64 keys of the top object. kOther for what is no JSON.
 JsonKind JsonKindOf(std::string_view bytes);

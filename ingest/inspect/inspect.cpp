@@ -374,7 +374,7 @@ void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error
   }
   if (folder_ && (code == ErrorCode::kUnsupported || common) && error.reason != Reason::kUnsafePickle) {
     others_.push_back(file.name);
-    if (code != ErrorCode::kUnsupported) reasons_[error.what].push_back(file.name);
+    if (code != ErrorCode::kUnsupported || kind == FileKind::kJson) reasons_[error.what].push_back(file.name);
     return;
   }
   AddError(error, file.name, CodeOf(error, kind), findings());

@@ -126,6 +126,20 @@ BodyLandmarks PointsOfTree(const std::vector<std::string>& whole_names, const st
 
 }  // namespace
 
+void RawClip::TakePoints(int count, const std::vector<double>& xyz) {
+  frames = count;
+  positions = JointPositions(frames, joints);
+  confidence.assign(xyz.size() / 3, 0.0);
+  zeros.assign(confidence.size(), 0);
+  for (std::size_t at = 0; at < confidence.size(); ++at) {
+    const Eigen::Map<const Vector3d> point(&xyz[3 * at]);
+    zeros[at] = point.isZero(0.0) ? 1 : 0;
+    if (!point.allFinite() || point.isZero(0.0)) continue;
+    std::copy_n(point.data(), 3, &positions.xyz[3 * at]);
+    confidence[at] = 1.0;
+  }
+}
+
 bool RecogniseOrder(RawClip& clip) {
   if (clip.frames < 2) {
     clip.skeleton.evidence =

@@ -38,7 +38,6 @@ struct RawClip {
   std::optional<Finding> rate_finding;  ///< why that is none, where no source declares one
   std::string rate_evidence;            ///< where it says it, or what is known besides the file
   bool rate_measured = false;           ///< by a column that only its values show to be a clock
-  std::vector<double> frame_numbers;    ///< (frames) where the file counts its frames, rising; empty: one after another
   double set_rate_hz = 0.0;             ///< where only the set that the file is of tells it
   std::string set_evidence;
   std::optional<double> missing_share;  ///< where positions do not show it
@@ -59,6 +58,8 @@ struct RawClip {
   std::string axes;  ///< as a source says them
   std::vector<Finding> remarks;
 
+  /// Points of `joints` joints, (frames, joints, 3): those at 0 0 0 and those that are no numbers are missing.
+  void TakePoints(int count, const std::vector<double>& xyz);
   /// Nothing is seen in these frames.
   void SetMissing(const std::vector<int>& lost) {
     if (!lost.empty()) confidence.assign(positions.xyz.size() / 3, 1.0);

@@ -109,7 +109,6 @@ Expected<RawFile> ReadRawOpenSim(const FileBytes& file) {
   if (places->step > 0.0) {
     clip.rate_hz = std::round(1000.0 / places->step) / 1000.0;
     clip.rate_evidence = "column time of the file";
-    for (const int place : places->place) clip.frame_numbers.push_back(place);
     const int skipped = places->frames() - clip.frames;
     if (skipped > 0) {
       clip.remarks.push_back(MakeFinding("time_gap", Severity::kWarning, skipped,

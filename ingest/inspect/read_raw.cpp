@@ -1,5 +1,6 @@
 #include "ingest/inspect/read_raw.h"
 
+#include "core/base/text.h"
 #include "core/formats/bandai_label.h"
 #include "core/formats/camera_files.h"
 #include "ingest/formats/driver.h"
@@ -20,6 +21,21 @@ Expected<RawFile> BandaiLabelIn(const FileBytes& file) {
 Expected<RawFile> JsonIn(const FileBytes& file) {
   const JsonKind kind = JsonKindOf(file.bytes);
   if (kind == JsonKind::kBabel) return ReadRawBabel(file);
+  const auto refuse = [&](const char* what, const char* hint) {
+    return Fail(ErrorCode::kUnsupported, what, file.name, hint);
+  };
+  if (kind == JsonKind::kList && Trim(file.bytes).size() < 8) {
+    return refuse("an empty JSON list: no person is there, as EasyMocap writes it",
+                  "EasyMocap's keypoints are not read: export its motion as BVH, or the points as a table");
+  }
+  if (kind == JsonKind::kEasyMocap) {
+    return refuse("a JSON list of people with keypoints, as EasyMocap and COCO's programs write them: not read",
+                  "write the points as a table of a row a frame, or as OpenPose's JSON files");
+  }
+  if (kind == JsonKind::kAzureBodies) {
+    return refuse("body tracking of the Azure Kinect: not read",
+                  "write its joint positions as a table, millimetres, with the joints' names in a header");
+  }
   return kind == JsonKind::kBandaiLabel ? BandaiLabelIn(file) : ReadRawCalibration(file);
 }
 

@@ -143,6 +143,8 @@ void WriteRate(const ClipConsensus& source, const std::string& format, Declarati
     return;
   }
   const std::string hz = FormatDouble(*rate.value) + " Hz";
+  if (CheckStatedRate(*rate.value, RateUnit::kFramesPerSecond, ""))
+    return writer.Comment("rate: the files' own, " + hz + ", is no rate of a recording: declare the right one");
   if (rate.from == Provenance::kMeasured) {
     const std::optional<double> usual = UsualRate(*rate.value);
     if (!usual) return writer.Comment("rate: by the times of each file, " + rate.comment);
@@ -236,19 +238,22 @@ void WriteTable(const ClipConsensus& source, DeclarationWriter& writer) {
     const auto [text, clip] = UsualFact(source, option);
     if (clip == nullptr) continue;
     const bool layout = option == std::string("layout");
+    const std::size_t open = text.find(kFillIn), z = text.find('z');
+    const bool behind = open != std::string::npos && z != std::string::npos && open > z;
     writer.Measured(option, layout ? YamlQuoted(text) : "[" + text + "]", clip->frames.evidence,
-                    text.find(kFillIn) != std::string::npos
-                        ? "`frame` where the column counts frames, or its unit where it is a clock: "
-                          "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps"
-                        : "");
+                    open == std::string::npos ? ""
+                    : behind                  ? "`confidence` or `skip`: nothing says what stands behind x, y, z"
+                             : "`frame` where the column counts frames, or its unit where it is a clock: "
+                               "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps");
+    if (!behind) break;
+    const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
+                                     [](const InspectedClip* one) { return !one->missing_share.value; });
+    if (unsure != source.clips().end()) {
+      writer.Comment(
+          "least_confidence: 0.1 takes joints of confidence 0 as seen, but doubted; without it they are not seen. " +
+          (*unsure)->missing_share.evidence);
+    }
     break;
-  }
-  const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
-                                   [](const InspectedClip* clip) { return !clip->missing_share.value; });
-  if (unsure != source.clips().end() && fact("columns").find("confidence") != std::string::npos) {
-    writer.Comment(
-        "least_confidence: 0.1 would take joints of confidence 0 as seen, but doubted; without it they are not seen. " +
-        (*unsure)->missing_share.evidence);
   }
   if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
   double missing = 0.0;

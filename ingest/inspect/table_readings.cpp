@@ -6,8 +6,8 @@
 
 #include "core/base/median.h"
 #include "core/base/text.h"
+#include "core/formats/joint_layout.h"
 #include "core/formats/row_counter.h"
-#include "ingest/inspect/comparison.h"
 
 namespace mocurate {
 namespace {
@@ -17,70 +17,93 @@ constexpr int kMostTableJoints = 60;
 
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
-/// Of a joint in a frame: its row, and the column of its first number.
-struct TableCell {
-  int row = 0;
-  int column = 0;
+/// Of each number of a frame: the column of its joint, kSkip for what is none, and the joint.
+struct FrameNumber {
+  JointColumn column = JointColumn::kSkip;
+  int joint = -1;
 };
 
-TableCell CellOfJoint(const RowLayout& layout, int frame, int joint) {
-  const int per_row = layout.joints / layout.rows_per_frame;
-  return {frame * layout.rows_per_frame + joint / per_row,
-          layout.x_columns.empty() ? layout.first_column + (joint % per_row) * layout.columns_per_joint
-                                   : layout.x_columns[static_cast<std::size_t>(joint)]};
+std::vector<FrameNumber> NumbersOf(const RowLayout& layout) {
+  std::vector<FrameNumber> numbers;
+  const Expected<JointLayout> parsed = ParseJointLayout(WithFilledIn(layout.Text(), "skip"), "");
+  if (!parsed) return numbers;
+  int joint = 0;
+  for (const JointGroup& group : parsed->groups) {
+    for (int i = 0; i < group.count; ++i) {
+      for (const JointColumn column : group.columns) {
+        numbers.insert(numbers.end(), column == JointColumn::kRotation ? 9 : 1, {column, group.IsJoint() ? joint : -1});
+      }
+      joint += group.IsJoint() ? 1 : 0;
+    }
+  }
+  return numbers;
 }
 
-/// Whether the numbers behind x, y, z lie in 0..1 throughout: confidences. CAD-60's are.
-bool HasConfidences(const JointTable& rows, const RowLayout& layout) {
-  if (!layout.x_columns.empty()) return true;
-  if (layout.columns_per_joint != 4) return false;
-  for (int row = 0; row < rows.frames; ++row) {
-    for (int c = layout.first_column + 3; c < rows.columns; c += 4) {
-      const double value = rows.at(row, 0, c);
+/// The columns of each joint's coordinates and of what stands behind them in a frame's numbers; -1: none.
+struct JointPlace {
+  int axis[3] = {-1, -1, -1};
+  int confidence = -1;
+};
+
+std::vector<JointPlace> PlacesOf(const RowLayout& layout) {
+  std::vector<JointPlace> places(static_cast<std::size_t>(layout.joints));
+  const std::vector<FrameNumber> numbers = NumbersOf(layout);
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    if (numbers[n].joint < 0 || numbers[n].joint >= layout.joints) continue;
+    JointPlace& place = places[static_cast<std::size_t>(numbers[n].joint)];
+    if (numbers[n].column <= JointColumn::kZ)
+      place.axis[static_cast<std::size_t>(numbers[n].column)] = static_cast<int>(n);
+    if (numbers[n].column == JointColumn::kConfidence) place.confidence = static_cast<int>(n);
+  }
+  return places;
+}
+
+int FramesOf(const JointTable& rows, const RowLayout& layout) { return rows.frames / layout.rows_per_frame; }
+
+double NumberOf(const JointTable& rows, const RowLayout& layout, int frame, int number) {
+  const auto wide = static_cast<std::size_t>(layout.rows_per_frame) * static_cast<std::size_t>(rows.columns);
+  return rows.values[static_cast<std::size_t>(frame) * wide + static_cast<std::size_t>(number)];
+}
+
+/// Whether the number behind x, y, z of every joint lies in 0..1 throughout, as a confidence does.
+bool MayBeConfidences(const JointTable& rows, const RowLayout& layout) {
+  const std::vector<JointPlace> places = PlacesOf(layout);
+  for (int f = 0; f < FramesOf(rows, layout); ++f) {
+    for (const JointPlace& place : places) {
+      const double value = NumberOf(rows, layout, f, place.axis[2] + 1);
       if (!(value >= 0.0 && value <= 1.0)) return false;
     }
   }
   return true;
 }
 
-/// How a source would declare the layout; `leading`: words of the columns before the joints.
-void AddLayoutFacts(const RowLayout& layout, const std::vector<std::string>& leading, bool confidences, RawClip& clip) {
-  if (!layout.x_columns.empty()) {
-    clip.facts.emplace_back("layout", kCad60);
-    return;
-  }
-  const std::string fourth = layout.columns_per_joint != 4 ? "" : confidences ? "confidence" : "skip";
-  const bool joint_a_row = layout.rows_per_frame > 1;
-  std::string before;
-  for (const std::string& word : leading) before += word + (joint_a_row ? ", " : " ");
-  if (joint_a_row) {
-    clip.facts.emplace_back("columns", before + "x, y, z" + (fourth.empty() ? "" : ", " + fourth));
-    return;
-  }
-  clip.facts.emplace_back(
-      "layout", before + std::to_string(layout.joints) + "*(x y z" + (fourth.empty() ? "" : " " + fourth) + ")");
-}
-
-/// Joints whose confidence is 0 are missing in CAD-60's layout; of other tables nothing says that the fourth number is
-/// a confidence, or that 0 means unobserved (MSR-Action3D has 0 for trunks that it follows): how many are missing is
-/// then not known.
-void CountMissing(const JointTable& rows, const RowLayout& layout, bool confidences, RawClip& clip) {
+/// Joints whose confidence is 0 are missing where a known layout or a header says so. Of other tables nothing says that
+/// the fourth number is a confidence, or that 0 means unobserved (MSR-Action3D has 0 for trunks that it follows): how
+/// many are missing is then not known.
+void CountMissing(const JointTable& rows, const RowLayout& layout, RawClip& clip) {
   const auto samples = static_cast<double>(clip.confidence.size());
   const auto at_origin = std::count(clip.zeros.begin(), clip.zeros.end(), 1);
   if (at_origin > 0) clip.facts.emplace_back("at_origin", RoundedText(static_cast<double>(at_origin) / samples));
-  if (!confidences) return;
+  const std::vector<JointPlace> places = PlacesOf(layout);
+  const bool declared =
+      std::any_of(places.begin(), places.end(), [](const JointPlace& p) { return p.confidence >= 0; });
+  const bool open = std::any_of(layout.columns.begin(), layout.columns.end(), [](const HeaderColumn& column) {
+    return !column.joint.empty() && column.word == kFillIn;
+  });
+  if (!declared && (!open || !MayBeConfidences(rows, layout))) return;
   std::size_t unsure = 0, missing = 0, placed = 0, at = 0;
-  for (int f = 0; f < clip.frames; ++f) {
-    for (int j = 0; j < clip.joints; ++j, ++at) {
-      const TableCell place = CellOfJoint(layout, f, j);
-      const bool none = !(rows.at(place.row, 0, place.column + 3) > 0.0);
+  for (int f = 0; f < FramesOf(rows, layout); ++f) {
+    for (const JointPlace& place : places) {
+      const bool seen = clip.confidence[at++] > 0.0;
+      const int number = declared ? place.confidence : place.axis[2] + 1;
+      const bool none = number >= 0 && !(NumberOf(rows, layout, f, number) > 0.0);
       unsure += none ? 1 : 0;
-      placed += none && clip.confidence[at] > 0.0 ? 1 : 0;
-      missing += none || clip.confidence[at] == 0.0 ? 1 : 0;
+      placed += none && seen ? 1 : 0;
+      missing += none || !seen ? 1 : 0;
     }
   }
   if (unsure == 0) return;
-  if (!layout.x_columns.empty()) {
+  if (declared) {
     clip.missing_share = static_cast<double>(missing) / samples;
     clip.missing_evidence = "joints that are zero, no numbers, or have confidence 0";
     return;
@@ -92,108 +115,70 @@ void CountMissing(const JointTable& rows, const RowLayout& layout, bool confiden
                           "declare; a source does (`columns`, `least_confidence`)";
 }
 
-/// A column before the joints.
-struct LeadingColumn {
-  std::vector<double> values;  ///< (frames)
+/// A column that may count the frames.
+struct BesideColumn {
+  std::size_t number = 0;  ///< among the columns of a row
   CounterEstimate estimate;
-  std::string header;
 };
 
-std::vector<LeadingColumn> LeadingColumns(const JointTable& rows, const RowLayout& layout) {
-  std::vector<LeadingColumn> columns(static_cast<std::size_t>(layout.x_columns.empty() ? layout.first_column : 1));
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    for (int row = 0; row < rows.frames; row += layout.rows_per_frame)
-      columns[c].values.push_back(rows.at(row, 0, static_cast<int>(c)));
-    if (c < rows.names.size()) columns[c].header = rows.names[c];
-    columns[c].estimate = EstimateCounter(columns[c].values, CounterNameOf(columns[c].header));
+std::vector<BesideColumn> ColumnsBeside(const JointTable& rows, const RowLayout& layout) {
+  std::vector<BesideColumn> beside;
+  for (std::size_t c = 0; c < layout.columns.size(); ++c) {
+    if (!layout.columns[c].joint.empty() || !layout.columns[c].word.empty()) continue;
+    std::vector<double> values;
+    for (int f = 0; f < FramesOf(rows, layout); ++f) values.push_back(NumberOf(rows, layout, f, static_cast<int>(c)));
+    beside.push_back({c, EstimateCounter(values, CounterNameOf(layout.columns[c].cell))});
   }
-  return columns;
+  return beside;
 }
 
 /// The column that lays out the frames: a clock, else numbers of frames, else one that may be either; null: none.
-const LeadingColumn* CounterOf(const std::vector<LeadingColumn>& columns) {
+const BesideColumn* CounterOf(const std::vector<BesideColumn>& columns) {
   for (const Counter counter : {Counter::kTime, Counter::kFrames, Counter::kAmbiguous}) {
-    for (const LeadingColumn& column : columns) {
+    for (const BesideColumn& column : columns) {
       if (column.estimate.counter == counter) return &column;
     }
   }
   return nullptr;
 }
 
-/// The numbers of the frames, or their places by the clock; empty where there are none.
-std::vector<double> FrameNumbersOf(const LeadingColumn& column) {
-  const std::vector<double>& values = column.values;
-  if (column.estimate.counter == Counter::kFrames) {
-    const auto falls = std::adjacent_find(values.begin(), values.end(), [](double a, double b) { return !(b > a); });
-    return falls == values.end() && !std::isnan(values[0]) ? values : std::vector<double>();
+/// Names the column that counts the frames, with what it says of the rate; the others are passed over.
+void NameCounter(const JointTable& rows, RowLayout& layout, RawClip& clip) {
+  if (layout.fixed == kCad60) {
+    std::vector<double> numbers;
+    for (int f = 0; f < FramesOf(rows, layout); ++f) numbers.push_back(NumberOf(rows, layout, f, 0));
+    if (EstimateCounter(numbers).counter != Counter::kFrames) layout.fixed.replace(0, 5, "skip");
   }
-  const Expected<RowPlaces> places = PlacesByClock(values, "");
-  if (!places) return {};
-  std::vector<double> numbers;
-  for (const int place : places->place) numbers.push_back(place >= 0 ? place : numbers.back());
-  return numbers;
-}
-
-/// What the leading columns say of frames and rate. Returns their words in a layout.
-std::vector<std::string> FollowCounter(const JointTable& rows, const RowLayout& layout, RawClip& clip) {
-  const std::vector<LeadingColumn> columns = LeadingColumns(rows, layout);
-  const LeadingColumn* counter = CounterOf(columns);
-  std::vector<std::string> words(columns.size(), "skip");
-  const bool known = !layout.x_columns.empty();  // the first column counts frames
-  if (counter == nullptr || (known && counter->estimate.counter != Counter::kFrames)) return words;
+  const std::vector<BesideColumn> beside = ColumnsBeside(rows, layout);
+  for (const BesideColumn& column : beside) layout.columns[column.number].word = "skip";
+  const BesideColumn* counter = CounterOf(beside);
+  if (counter == nullptr) return;
   const CounterEstimate& estimate = counter->estimate;
-  std::string& word = words[static_cast<std::size_t>(counter - columns.data())];
+  HeaderColumn& column = layout.columns[counter->number];
   const std::string called =
-      counter->header.empty() ? "the first column" : "the column '" + counter->header + "' of the header";
+      column.cell.empty() ? "the first column" : "the column '" + column.cell + "' of the header";
   if (estimate.counter == Counter::kAmbiguous) {
-    word = kFillIn;
+    column.word = kFillIn;
     clip.remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, estimate.step,
                                        called + " may count frames or be a clock (" + estimate.words + "; usual step " +
                                            FormatDouble(estimate.step) +
                                            "): declare it as `frame`, or as a time in its unit (time_s, time_ms, "
                                            "time_us, time_100ns, time_ns)"));
-    return words;
+  } else if (estimate.counter == Counter::kFrames) {
+    column.word = "frame";
+  } else {
+    column.word = std::string("time_") + estimate.units[0].name;
+    clip.rate_evidence = called + " is a clock: " + estimate.words;
+    clip.rate_measured = column.cell.empty();
   }
-  clip.frame_numbers = FrameNumbersOf(*counter);
-  if (estimate.counter == Counter::kFrames) {
-    word = "frame";
-    return words;
-  }
-  const ClockUnit& unit = estimate.units[0];
-  word = std::string("time_") + unit.name;
-  const double hz = 1.0 / (estimate.step * unit.seconds);
-  clip.rate_hz = NearestUsualRate(hz).value_or(std::round(1000.0 * hz) / 1000.0);
-  clip.rate_evidence = called + " is a clock: " + estimate.words;
-  clip.rate_finding = CheckStatedRate(*clip.rate_hz, RateUnit::kFramesPerSecond, called);
-  clip.rate_measured = counter->header.empty();
-  return words;
-}
-
-/// Frames that the numbers skip.
-void ReportGaps(RawClip& clip) {
-  double skipped = 0.0, longest = 0.0;
-  std::string first;
-  for (std::size_t f = 1; f < clip.frame_numbers.size(); ++f) {
-    const double gap = clip.frame_numbers[f] - clip.frame_numbers[f - 1] - 1.0;
-    if (gap <= 0.0) continue;
-    skipped += gap;
-    longest = std::max(longest, gap);
-    if (first.empty())
-      first = FormatDouble(clip.frame_numbers[f - 1]) + " is followed by " + FormatDouble(clip.frame_numbers[f]);
-  }
-  if (first.empty()) return;
-  clip.remarks.push_back(
-      MakeFinding("time_gap", Severity::kWarning, skipped,
-                  Counted(static_cast<long long>(skipped), "frame") + " of those that are numbered from " +
-                      FormatDouble(clip.frame_numbers.front()) + " to " + FormatDouble(clip.frame_numbers.back()) +
-                      " have no row, at most " + FormatDouble(longest) + " on end; the first: " + first));
 }
 
 /// CAD-60: frame number; 11 joints with 9 orientation values, their confidence, x y z, confidence; 4 joints without.
 RowLayout Cad60RowLayout() {
-  RowLayout layout{15, 1, 0, 3, {}, "171 numbers a row: frame number, 11 joints with orientation, 4 without (CAD-60)"};
-  for (int j = 0; j < 11; ++j) layout.x_columns.push_back(1 + 14 * j + 10);
-  for (int j = 0; j < 4; ++j) layout.x_columns.push_back(1 + 14 * 11 + 4 * j);
+  RowLayout layout;
+  layout.joints = 15;
+  layout.fixed = kCad60;
+  layout.words = "171 numbers a row: frame number, 11 joints with orientation, 4 without (CAD-60)";
   return layout;
 }
 
@@ -241,36 +226,126 @@ bool IsKnownCount(int joints) {
                      [&](const JointOrder& order) { return static_cast<int>(order.joints.size()) == joints; });
 }
 
+/// Whether the first of the four numbers of each joint is a whole number of its own, the same in every row.
+bool HasJointIndex(const JointTable& rows, int leading, int joints) {
+  std::set<double> numbers;
+  for (int j = 0; j < joints; ++j) {
+    const double number = rows.at(0, 0, leading + 4 * j);
+    if (!(number == std::floor(number)) || !numbers.insert(number).second) return false;
+    for (int row = 1; row < rows.frames; ++row) {
+      if (rows.at(row, 0, leading + 4 * j) != number) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether the columns from `first` on are zero, or no numbers, in every row.
+bool AreAbsent(const JointTable& rows, int first) {
+  for (int row = 0; row < rows.frames; ++row) {
+    for (int c = first; c < rows.columns; ++c) {
+      const double value = rows.at(row, 0, c);
+      if (value != 0.0 && !std::isnan(value)) return false;
+    }
+  }
+  return true;
+}
+
+/// Columns before the joints, which may be named.
+std::vector<HeaderColumn> Leading(const JointTable& rows, int count) {
+  const std::vector<std::string> names = rows.names();
+  std::vector<HeaderColumn> columns(static_cast<std::size_t>(count));
+  for (std::size_t c = 0; c < std::min(columns.size(), names.size()); ++c) columns[c].cell = names[c];
+  return columns;
+}
+
+void AddJoint(int joint, const std::vector<std::string>& words, std::vector<HeaderColumn>& columns) {
+  for (const std::string& word : words) columns.push_back({std::to_string(joint), word, "", ""});
+}
+
+/// A frame in each row, of `joints` behind `leading` numbers.
+RowLayout OneFrameARow(const JointTable& rows, int joints, int leading, int per_joint) {
+  RowLayout layout;
+  layout.joints = joints;
+  layout.columns = Leading(rows, leading);
+  std::vector<std::string> words = {"x", "y", "z"};
+  if (per_joint == 4) words.push_back(kFillIn);
+  if (per_joint == 4 && HasJointIndex(rows, leading, joints)) words = {"skip", "x", "y", "z"};
+  for (int j = 0; j < joints; ++j) AddJoint(j, words, layout.columns);
+  layout.words = "rows of " + std::to_string(rows.columns) + " numbers: one frame of " + std::to_string(joints) +
+                 " joints with " + std::to_string(per_joint) + " each" +
+                 (leading == 0   ? ""
+                  : leading == 1 ? " after one leading number"
+                                 : " after " + std::to_string(leading) + " leading numbers");
+  return layout;
+}
+
+/// The same of the first of two people, where the second is zero throughout; nothing where it is there.
+std::optional<RowLayout> FirstOfTwo(const JointTable& rows, int leading, int per_joint) {
+  const int rest = rows.columns - leading;
+  const int joints = rest / (2 * per_joint), numbers = joints * per_joint;
+  if (rest != 2 * numbers || !IsKnownCount(joints) || !AreAbsent(rows, leading + numbers)) return std::nullopt;
+  RowLayout layout = OneFrameARow(rows, joints, leading, per_joint);
+  layout.columns.insert(layout.columns.end(), static_cast<std::size_t>(numbers), {"", "skip", "", ""});
+  layout.words += ", and as many of a second person, who is zero throughout: absent";
+  return layout;
+}
+
+/// A joint in each row, behind `leading` numbers.
+RowLayout OneJointARow(const JointTable& rows, int joints, int leading) {
+  RowLayout layout;
+  layout.joints = layout.rows_per_frame = joints;
+  layout.columns = Leading(rows, leading);
+  std::vector<std::string> words = {"x", "y", "z"};
+  if (rows.columns - leading == 4) words.push_back(kFillIn);
+  AddJoint(0, words, layout.columns);
+  layout.words = RowWords(rows.frames, joints, rows.columns);
+  return layout;
+}
+
+/// Words of a row, those undecided as `skip`.
+std::vector<std::string> WordsOf(const std::vector<HeaderColumn>& columns) {
+  std::vector<std::string> words;
+  for (const HeaderColumn& column : columns) words.push_back(column.word.empty() ? "skip" : column.word);
+  return words;
+}
+
 }  // namespace
 
-RawClip ReadRows(const JointTable& rows, const RowLayout& layout) {
+std::string WithFilledIn(std::string text, const char* word) {
+  const std::size_t length = std::string_view(kFillIn).size();
+  for (std::size_t at = 0; (at = text.find(kFillIn, at)) != std::string::npos;) text.replace(at, length, word);
+  return text;
+}
+
+std::string RowLayout::Text() const {
+  if (!fixed.empty()) return fixed;
+  const std::vector<std::string> each = WordsOf(columns);
+  if (rows_per_frame > 1) return std::to_string(joints) + "*(" + JoinTexts(each, " ") + ")";
+  return LayoutWords(columns, each);
+}
+
+RawClip ReadPoints(const JointTable& rows, const RowLayout& layout) {
   RawClip clip;
   clip.format = "joint_table";
   clip.joints = layout.joints;
-  clip.frames = rows.frames / layout.rows_per_frame;
-  clip.positions = JointPositions(clip.frames, clip.joints);
-  clip.confidence.assign(static_cast<std::size_t>(clip.frames) * clip.joints, 0.0);
-  clip.zeros.assign(clip.confidence.size(), 0);
-  for (int f = 0; f < clip.frames; ++f) {
-    for (int j = 0; j < clip.joints; ++j) {
-      const TableCell place = CellOfJoint(layout, f, j);
-      const auto number = [&](int axis) { return rows.at(place.row, 0, place.column + axis); };
-      const Vector3d value(number(0), number(1), number(2));
-      const std::size_t at =
-          static_cast<std::size_t>(f) * static_cast<std::size_t>(clip.joints) + static_cast<std::size_t>(j);
-      clip.zeros[at] = value.isZero(0.0) ? 1 : 0;
-      if (!value.allFinite() || value.isZero(0.0)) continue;
-      clip.positions.at(f, j) = value;
-      clip.confidence[at] = 1.0;
+  std::vector<double> points;
+  const std::vector<JointPlace> places = PlacesOf(layout);
+  for (int f = 0; f < FramesOf(rows, layout); ++f) {
+    for (const JointPlace& place : places) {
+      for (const int number : place.axis) points.push_back(NumberOf(rows, layout, f, number));
     }
   }
-  const std::vector<std::string> leading = FollowCounter(rows, layout, clip);
-  ReportGaps(clip);
-  clip.layout_evidence = layout.words + (clip.rate_hz ? "; " + clip.rate_evidence : "");
-  const bool confidences = HasConfidences(rows, layout);
-  AddLayoutFacts(layout, leading, confidences, clip);
-  CountMissing(rows, layout, confidences, clip);
+  clip.TakePoints(FramesOf(rows, layout), points);
   return clip;
+}
+
+void DeclareLayout(const JointTable& rows, RowLayout& layout, RawClip& clip) {
+  NameCounter(rows, layout, clip);
+  clip.layout_evidence = layout.words + (clip.rate_evidence.empty() ? "" : "; " + clip.rate_evidence);
+  const bool by_columns = layout.rows_per_frame > 1;
+  clip.facts.emplace_back(by_columns ? "columns" : "layout",
+                          by_columns ? JoinTexts(WordsOf(layout.columns), ", ") : layout.Text());
+  CountMissing(rows, layout, clip);
 }
 
 std::string RowWords(int rows, int joints, int columns) {
@@ -284,27 +359,18 @@ std::vector<RowLayout> PossibleLayouts(const JointTable& rows) {
   if (columns == 171) layouts.push_back(Cad60RowLayout());
   if (columns == 3 || columns == 4) {
     for (int joints = kFewestTableJoints; joints <= kMostTableJoints; ++joints) {
-      if (rows.frames % joints == 0)
-        layouts.push_back({joints, joints, 0, columns, {}, RowWords(rows.frames, joints, columns)});
+      if (rows.frames % joints == 0) layouts.push_back(OneJointARow(rows, joints, 0));
     }
     return layouts;
   }
-  const int named = NamedLeading(rows.names);
+  const int named = NamedLeading(rows.names());
   for (const int leading : named > 0 ? std::vector<int>{named} : std::vector<int>{0, 1}) {
     for (const int per_joint : {3, 4}) {
       const int rest = columns - leading;
       const int joints = rest / per_joint;
+      if (auto first = FirstOfTwo(rows, leading, per_joint)) layouts.push_back(*std::move(first));
       if (rest % per_joint != 0 || joints < kFewestTableJoints || joints > kMostTableJoints) continue;
-      layouts.push_back({joints,
-                         1,
-                         leading,
-                         per_joint,
-                         {},
-                         "rows of " + std::to_string(columns) + " numbers: one frame of " + std::to_string(joints) +
-                             " joints with " + std::to_string(per_joint) + " each" +
-                             (leading == 0   ? ""
-                              : leading == 1 ? " after one leading number"
-                                             : " after " + std::to_string(leading) + " leading numbers")});
+      layouts.push_back(OneFrameARow(rows, joints, leading, per_joint));
     }
   }
   return layouts;
@@ -317,13 +383,9 @@ std::optional<RowLayout> CountedLayout(const JointTable& rows) {
     const int joints = RowsCountedAlike(rows);
     if (joints < kFewestTableJoints || joints > kMostTableJoints || rows.frames % joints != 0) continue;
     if (leading == 2 && !CountsJoints(rows, joints)) continue;
-    return RowLayout{joints,
-                     joints,
-                     leading,
-                     rest,
-                     {},
-                     RowWords(rows.frames, joints, rows.columns) + ": the first counts the frames" +
-                         (leading == 2 ? ", the second the joints" : "")};
+    RowLayout layout = OneJointARow(rows, joints, leading);
+    layout.words += std::string(": the first counts the frames") + (leading == 2 ? ", the second the joints" : "");
+    return layout;
   }
   return std::nullopt;
 }
@@ -343,24 +405,24 @@ double Roughness(const RawClip& clip) {
   return size > 0.0 ? Median(std::move(steps)) / size : 1.0;
 }
 
-std::optional<RawClip> KnownLayout(const JointTable& rows, const std::vector<RowLayout>& layouts) {
-  std::optional<RawClip> best;
+std::optional<TableReading> KnownLayout(const JointTable& rows, const std::vector<RowLayout>& layouts) {
+  std::optional<TableReading> best;
   std::string others;
   for (const RowLayout& layout : layouts) {
     if (!IsKnownCount(layout.joints)) continue;
-    RawClip clip = ReadRows(rows, layout);
+    RawClip clip = ReadPoints(rows, layout);
     if (!RecogniseOrder(clip) || Roughness(clip) > kSmooth) continue;
-    const bool better = !best || clip.skeleton.confidence > best->skeleton.confidence;
+    const bool better = !best || clip.skeleton.confidence > best->clip.skeleton.confidence;
     if (best) {
-      others += (others.empty() ? "" : ", ") + std::to_string(better ? best->joints : clip.joints);
+      others += (others.empty() ? "" : ", ") + std::to_string(better ? best->clip.joints : clip.joints);
     }
-    if (better) best = std::move(clip);
+    if (better) best = TableReading{layout, std::move(clip)};
   }
   if (best && !others.empty()) {
-    best->remarks.push_back(MakeFinding("layout_ambiguous", Severity::kWarning, best->skeleton.confidence,
-                                        "the row count also allows " + others +
-                                            " joints, and bone lengths do not exclude it; this reading is " +
-                                            RoundedText(100.0 * best->skeleton.confidence, 3) + " % confidence"));
+    best->clip.remarks.push_back(MakeFinding(
+        "layout_ambiguous", Severity::kWarning, best->clip.skeleton.confidence,
+        "the row count also allows " + others + " joints, and bone lengths do not exclude it; this reading is " +
+            RoundedText(100.0 * best->clip.skeleton.confidence, 3) + " % confidence"));
   }
   return best;
 }

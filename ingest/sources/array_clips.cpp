@@ -14,6 +14,7 @@
 #include "ingest/inspect/file_kind.h"
 #include "ingest/inspect/joint_orders.h"
 #include "ingest/sources/mapped_file.h"
+#include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
@@ -45,8 +46,6 @@ void AddClips(const std::vector<std::size_t>& shape, const std::string& member, 
     clips.push_back({member + (joints->batch ? "[" + std::to_string(i) + "]" : ""), joints->joints, label});
   }
 }
-
-bool IsArrayOfObjects(const NpyArray& header) { return header.dtype == "|O"; }
 
 /// Whether a file of that many bytes can contain arrays of the shape: a number takes at least one byte.
 bool HoldsArrays(const std::vector<std::size_t>& shape, std::uintmax_t bytes) {
@@ -153,6 +152,8 @@ std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz) {
   return exported;
 }
 
+bool IsArrayOfObjects(const NpyArray& header) { return header.dtype == "|O"; }
+
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   std::vector<std::size_t> sizes = shape;
   const bool of_classes = sizes.size() == 5;
@@ -185,6 +186,41 @@ std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
          "were made from (new_joints/), or recover them with the set's recover_from_ric";
 }
 
+bool IsBodyParameter(std::string_view name) {
+  constexpr std::string_view kNames[] = {
+      "body_pose",  "global_orient", "transl",      "betas",     "left_hand_pose", "right_hand_pose", "jaw_pose",
+      "leye_pose",  "reye_pose",     "expression",  "smpl_pose", "smpl_poses",     "smpl_trans",      "smpl_thetas",
+      "smpl_betas", "thetas",        "root_orient", "pose_body", "pose_hand",      "fullpose"};
+  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+}
+
+std::string RotationsInstead(const NpyArray& array, const std::string& name) {
+  // Of 63 and 69 numbers nothing but the name tells: other skeletons have 21 and 23 joints.
+  constexpr std::pair<std::size_t, const char*> kColumns[] = {
+      {66, "SMPL's body"}, {72, "SMPL"}, {156, "SMPL-H"}, {165, "SMPL-X"}};
+  constexpr int kBody = 22;           // joints that all of them begin with
+  constexpr double kHalfTurn = 3.15;  // radians
+  const std::string way =
+      ", not joint positions: write them as AMASS does, `poses`, `trans`, `betas`, `gender` and "
+      "`mocap_framerate` in one .npz, which is read with its rotations";
+  const std::string stem = std::filesystem::path(name).stem().string();
+  if (IsBodyParameter(stem)) return "'" + stem + "' of a program of SMPL" + way;
+  const bool flat = array.shape.size() == 2 && !array.values.empty() && array.shape[0] >= kFewestArrayFrames;
+  const auto* of = std::find_if(std::begin(kColumns), std::end(kColumns),
+                                [&](const auto& columns) { return flat && array.shape[1] == columns.first; });
+  if (of == std::end(kColumns)) return "";
+  for (std::size_t at = 0; at + 2 < array.values.size(); at += 3) {
+    if (!(std::hypot(array.values[at], array.values[at + 1], array.values[at + 2]) <= kHalfTurn)) return "";
+  }
+  const Points points = ReadPoints({{array.shape[0], array.shape[1] / 3, 3}, array.dtype, array.values, {}}, kAsItLies);
+  const Expected<SkeletonPtr> smpl = KnownSkeleton("smpl24");
+  const std::vector<std::string> body(kSmplJointNames, kSmplJointNames + kBody);
+  if (BodyIn(points) || !smpl || ScoreBody(points.positions, points.confidence, BonesOf(body, **smpl)).IsBody())
+    return "";
+  return "as many numbers a frame as the rotation vectors of " + std::string(of->second) +
+         ", none longer than half a turn, which are no body" + way;
+}
+
 std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std::string& name) {
   std::ifstream file(path, std::ios::binary);
   std::string head(kArrayHead, '\0');
@@ -210,7 +246,7 @@ std::vector<ArrayClip> ArrayClipsOf(const std::filesystem::path& path, const std
     if (!archive) return clips;
     if (const auto exported = ExportedMotionIn(*archive)) return {{"", exported->names.size(), ""}};
     for (const NpzMember& member : archive->members) {
-      if (member.skipped.empty() && !member.array.values.empty())
+      if (member.skipped.empty() && !member.array.values.empty() && !IsBodyParameter(member.name))
         AddClips(member.array.shape, "[" + member.name + "]", clips);
     }
   }

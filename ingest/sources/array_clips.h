@@ -41,8 +41,19 @@ struct ArrayShape {
 /// frames), ACTOR's generation.npy. Nothing for others.
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape);
 
+/// Whether the array holds a pickle, as MDM's results.npy does.
+bool IsArrayOfObjects(const NpyArray& header);
+
 /// What an array of this shape contains instead of positions, and how to get those (HumanML3D's features); else "".
 std::string OtherThanJoints(const std::vector<std::size_t>& shape);
+
+/// Whether SMPL's programs write rotation vectors, places or shapes under this name: "body_pose", "transl".
+bool IsBodyParameter(std::string_view name);
+
+/// What an array (frames, columns) is where it holds SMPL's rotation vectors, not joint positions: by the file's name,
+/// or by as many numbers a frame as SMPL, SMPL-H or SMPL-X have, vectors of at most half a turn that are no body; else
+/// "".
+std::string RotationsInstead(const NpyArray& array, const std::string& name);
 
 /// One clip of a file of arrays.
 struct ArrayClip {

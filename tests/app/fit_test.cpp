@@ -58,22 +58,15 @@ class FitVerbs : public ::testing::Test {
   fs::path data_;
 };
 
-TEST_F(FitVerbs, ReportAssumptionsAboutUndeclaredColumns) {
+TEST_F(FitVerbs, AskWhatAnUnnamedColumnIs) {
   const fs::path msr = data_ / "kinect/msr_action3d/a01_s01_e01_skeleton3D.txt";
-  const std::string assumption = "taken as a confidence, by which";
-  const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--json"});
-  EXPECT_EQ(silent.exit_code, 0) << silent.err;
-  ASSERT_EQ(silent.Json()["findings"].size(), 1u);
-  EXPECT_EQ(silent.Json()["findings"][0]["code"], "confidence_guessed");
-  const Dataset fitted = Fitted();
-  EXPECT_EQ(std::count_if(fitted.findings.begin(), fitted.findings.end(),
-                          [](const Finding& finding) { return finding.code == "confidence_guessed"; }),
-            1);
-  EXPECT_THAT(silent.err, HasSubstr(assumption));
-  const Result declared =
-      Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--set", "ingest.source.least_confidence=0.1", "--force"});
+  const Result silent = Fit(msr, {"--set", "ingest.source.rate=15 Hz"});
+  EXPECT_EQ(silent.exit_code, 2) << silent.err;
+  EXPECT_THAT(silent.err, HasSubstr("ingest.source.columns"));
+  const Result declared = Fit(msr, {"--set", "ingest.source.rate=15 Hz", "--set", "ingest.source.least_confidence=0.1",
+                                    "--set", "ingest.source.columns=[x, y, z, confidence]"});
   EXPECT_EQ(declared.exit_code, 0) << declared.err;
-  EXPECT_EQ(declared.err.find(assumption), std::string::npos) << declared.err;
+  EXPECT_EQ(Fitted().clips.size(), 1u);
 }
 
 /// 22 joints of SMPL's 24, hips that hang from the pelvis, shoulders beside the neck: not where the skeleton's rest

@@ -47,7 +47,7 @@ TEST_F(RecordedDeclarations, OfferAChoiceForUnexplainedZeroConfidences) {
   const std::string name = "a01_s01_e01_skeleton3D.txt";
   const fs::path folder = FreshFolder("msr_choice");
   fs::copy_file(TestData() + "/kinect/msr_action3d/" + name, folder / name);
-  EXPECT_THAT(Declaration(folder), HasSubstr("# least_confidence: 0.1 would take joints of confidence 0 as seen"));
+  EXPECT_THAT(Declaration(folder), HasSubstr("least_confidence: 0.1 takes joints of confidence 0 as seen"));
 }
 
 }  // namespace
