@@ -20,14 +20,19 @@ inline bool HasBrowser() {
 }
 
 /// Opens index.html of the folder in a browser without network access; its document and its log are written to files.
+/// A browser that hangs is started once more.
 inline int Browse(const ScratchFolder& place, const std::string& what) {
   const std::string folder = place / "";
   const std::string command =
-      "timeout 120 " + std::string(kChromium) +
+      "timeout 60 " + std::string(kChromium) +
       " --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
       " --disable-component-update --disable-sync --enable-logging=stderr --user-data-dir='" +
       folder + "profile' " + what + " --window-size=1200,2000 'file://" + folder + "index.html' > '" + folder +
       "dom.html' 2> '" + folder + "log.txt'";
+  constexpr int kTimedOut = 124 << 8;
+  const int status = std::system(command.c_str());
+  if (status != kTimedOut) return status;
+  std::filesystem::remove_all(place / "profile");
   return std::system(command.c_str());
 }
 
