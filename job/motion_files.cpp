@@ -65,6 +65,8 @@ std::optional<fs::path> DeclarationBeside(const fs::path& path) {
   std::error_code unknown;
   const fs::path file = path / "source.yaml";
   if (!fs::is_directory(path, unknown) || !fs::is_regular_file(file, unknown)) return std::nullopt;
+  const Expected<std::string> text = ReadFile(file);
+  if (!text || text->rfind("# Written by `mocurate export", 0) != 0) return std::nullopt;
   return file;
 }
 

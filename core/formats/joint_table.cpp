@@ -38,10 +38,22 @@ std::vector<std::string> HeaderCells(std::string_view line) {
   const bool blanks = first == std::string_view::npos;
   const char separator = blanks ? ' ' : line[first];
   std::vector<std::string> names;
-  for (std::string_view cell : blanks ? SplitBlanks(line) : SplitText(line, separator)) {
+  const auto add = [&](std::string_view cell) {
     cell = Trim(cell);
     if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
     names.emplace_back(cell);
+  };
+  if (blanks) {
+    for (const std::string_view cell : SplitBlanks(line)) add(cell);
+    return names;
+  }
+  bool quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at <= line.size(); ++at) {
+    if (at < line.size() && line[at] == '"') quoted = !quoted;
+    if (at < line.size() && (quoted || line[at] != separator)) continue;
+    add(line.substr(begin, at - begin));
+    begin = at + 1;
   }
   return names;
 }

@@ -185,7 +185,7 @@ Expected<std::optional<std::string>> WithDecimalPoints(std::string_view bytes, c
     }
     std::string points(bytes);
     std::replace(points.begin(), points.end(), ',', '.');
-    std::replace(points.begin(), points.end(), ';', ' ');
+    std::replace(points.begin(), points.end(), ';', '\t');
     return std::optional(std::move(points));
   }
   return std::optional<std::string>();

@@ -192,7 +192,8 @@ Expected<MotionsRead> ReadSets(const std::vector<std::pair<NamedPath, MotionFile
       read.failed[named.name] = item.error();
       continue;
     }
-    if (files.source.empty() && AreBareArrays(files.path)) read.bare_arrays.insert(named.name);
+    if (files.source.empty() && AreBareArrays(files.path) && !DeclarationBeside(files.path))
+      read.bare_arrays.insert(named.name);
     for (const RefusedClip& file : item->unreadable) {
       read.warnings.push_back({{"code", "clip_refused"}, {"row", named.name}, {"message", file.error.Message()}});
     }

@@ -50,35 +50,38 @@ struct ClipsToExport {
   std::vector<RefusedClip> refused;                 ///< clips of the files that could not be read
 };
 
-std::string WithoutSpan(const std::string& id) { return id.substr(0, id.rfind('#')); }
+/// Whether a name of --clip means the id: all of it, or what stands behind a '/'; with its span of frames or without.
+bool MeansClip(const std::string& id, const std::string& name) {
+  const auto is_end = [&](const std::string& whole) {
+    return whole == name || EndsWith(whole, "/" + name) || (EndsWith(whole, name) && name[0] == '[');
+  };
+  return is_end(id) || is_end(id.substr(0, id.rfind('#')));
+}
 
-/// Rows of the clips whose id is a name of --clip, or ends with it, with its span of frames or without where one clip
-/// has it; all without names. Error for the first name without a clip, or with several.
+/// Rows of the clips that --clip names; all without names. Error for the first name without a clip, or with several
+/// where it has no span.
 Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& ids, const ExportArguments& arguments) {
-  std::set<std::string> found;
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < ids.size(); ++row) {
-    bool wanted = arguments.clips.empty();
-    for (const std::string& name : arguments.clips) {
-      if (!EndsWith(ids[row], name) && !EndsWith(WithoutSpan(ids[row]), name)) continue;
-      found.insert(name);
-      wanted = true;
-    }
-    if (wanted) rows.push_back(row);
-  }
+  std::set<std::size_t> chosen;
+  for (std::size_t row = 0; row < ids.size() && arguments.clips.empty(); ++row) chosen.insert(row);
   for (const std::string& name : arguments.clips) {
-    const auto spans = std::count_if(ids.begin(), ids.end(), [&](const std::string& id) {
-      return !EndsWith(id, name) && EndsWith(WithoutSpan(id), name);
-    });
-    if (spans > 1) {
-      return Fail(ErrorCode::kUsage, std::to_string(spans) + " clips are of '" + name + "'",
-                  DisplayPath(arguments.path), "add the span of frames, as in '" + ids[rows.front()] + "'");
+    std::vector<std::size_t> rows;
+    for (std::size_t row = 0; row < ids.size(); ++row) {
+      if (ids[row] == name) rows = {row};
+      if (ids[row] == name) break;
+      if (MeansClip(ids[row], name)) rows.push_back(row);
     }
-    if (found.count(name) != 0) continue;
-    const std::string example = ids.empty() ? "" : ", e.g. --clip '" + ids.front() + "'";
-    return Fail(ErrorCode::kUsage, "no clip has the id '" + name + "'", DisplayPath(arguments.path),
-                "`mocurate inspect` lists the ids" + example);
+    if (rows.empty()) {
+      const std::string example = ids.empty() ? "" : ", e.g. --clip '" + ids.front() + "'";
+      return Fail(ErrorCode::kUsage, "no clip has the id '" + name + "'", DisplayPath(arguments.path),
+                  "`mocurate inspect` lists the ids" + example);
+    }
+    if (rows.size() > 1 && name.find('#') == std::string::npos) {
+      return Fail(ErrorCode::kUsage, std::to_string(rows.size()) + " clips are '" + name + "'",
+                  DisplayPath(arguments.path), "give the whole id, e.g. --clip '" + ids[rows.front()] + "'");
+    }
+    chosen.insert(rows.begin(), rows.end());
   }
+  const std::vector<std::size_t> rows(chosen.begin(), chosen.end());
   if (rows.empty()) return Fail(ErrorCode::kInconsistent, "the file has no clips", DisplayPath(arguments.path));
   return rows;
 }
@@ -142,7 +145,7 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const Config
   if (!read) return Forward(read);
   for (const Finding& finding : read->set.findings) {
     if (finding.severity == Severity::kError)
-      LogWarning(finding.clip + ": " + finding.message + " (" + finding.code + ")");
+      LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message + " (" + finding.code + ")");
   }
   const auto set = std::make_shared<const Dataset>(std::move(read->set));
   std::vector<std::string> ids;

@@ -160,6 +160,11 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
     if (!source) return Forward(source);
     return Declared{*source, {}, {}};
   }
+  if (const auto beside = DeclarationBeside(arguments.path)) {
+    const Expected<ConfigSource> source = SourceOf(beside->string());
+    if (!source) return Forward(source);
+    return Declared{*source, {}, {}};
+  }
   if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}, {}};
   Inspection inspection = InspectPath(arguments.path, std::nullopt);
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);

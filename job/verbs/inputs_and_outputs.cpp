@@ -106,7 +106,8 @@ NamedPath NamedPathOf(const std::string& text) {
 Expected<StageInput> MotionsInput(const std::string& name, const MotionFiles& files, const ExtractorOptions& extractor,
                                   const std::string& declare, VerbStages& stages) {
   if (IsMotionStore(files.path) && files.labels.empty()) return StageInput{"motions", name, files.path, ""};
-  if (files.source.empty() && AreBareArrays(files.path) && extractor.name.empty()) {
+  const bool bare = files.source.empty() && AreBareArrays(files.path) && !DeclarationBeside(files.path);
+  if (bare && extractor.name.empty()) {
     return Fail(ErrorCode::kUsage, "bare arrays have neither joint names nor axes nor a unit", DisplayPath(files.path),
                 declare);
   }

@@ -11,9 +11,9 @@ std::optional<std::string> Points(const std::string& bytes) { return WithDecimal
 
 TEST(DecimalComma, IsConvertedToAPointBetweenSemicolonsOrTabs) {
   EXPECT_EQ(Points("0,5\t1,25\n-1,5\t2\n"), "0.5\t1.25\n-1.5\t2\n");
-  EXPECT_EQ(Points("x,y;z\n0,5;1,25\n"), "x.y z\n0.5 1.25\n") << "below a header";
-  EXPECT_EQ(Points("0;0\n1,5;2\n"), "0 0\n1.5 2\n") << "below whole numbers";
-  EXPECT_EQ(Points("1,2E-05;3,5\n0,5;1,25e+2\n"), "1.2E-05 3.5\n0.5 1.25e+2\n");
+  EXPECT_EQ(Points("x,y;z\n0,5;1,25\n"), "x.y\tz\n0.5\t1.25\n") << "below a header";
+  EXPECT_EQ(Points("0;0\n1,5;2\n"), "0\t0\n1.5\t2\n") << "below whole numbers";
+  EXPECT_EQ(Points("1,2E-05;3,5\n0,5;1,25e+2\n"), "1.2E-05\t3.5\n0.5\t1.25e+2\n");
 }
 
 TEST(DecimalComma, IsRefusedBetweenBlanks) {
