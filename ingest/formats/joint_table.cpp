@@ -75,8 +75,9 @@ bool EndsAsBody(const JointRows& rows, const SourceOptions& source) {
 /// Whether the declaration is that of the file's header, where that names joints.
 Status FollowsHeader(const JointRows& rows, const JointLayout& layout, const SourceOptions& source,
                      const std::string& name) {
+  if (RowsPerFrame(source) > 1) return {};  // columns of a joint, or of some
   const Expected<std::vector<HeaderColumn>> columns = HeaderColumns(rows.header, layout.NumbersPerFrame(), name);
-  return columns ? CheckHeader(*columns, layout, source, name) : Status(Forward(columns));
+  return columns ? CheckHeader(*columns, layout, source, name) : Status();  // the declaration decides
 }
 
 std::string RowCountProblem(const JointRows& rows, int per_frame) {

@@ -270,6 +270,8 @@ Expected<RawFile> NpyIn(const FileBytes& file) {
 
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name) {
   const std::string shape = ArrayShapeText(array);
+  if (const std::string rotations = RotationsInstead(array, name); !rotations.empty())
+    return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, name);
   if (const auto axes = ExchangedAxes(array, 0)) {
     return Fail(ErrorCode::kInconsistent, "the array has shape " + shape + ": " + axes->words, name, axes->way_out);
   }
@@ -282,8 +284,6 @@ Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::st
   }
   if (std::none_of(array.values.begin(), array.values.end(), IsCoordinate))
     return NoValidSamples(array.values.size(), name);
-  if (const std::string rotations = RotationsInstead(array, name); !rotations.empty())
-    return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, name);
   std::vector<RawClip> observed;
   const std::size_t numbers = held->frames * held->joints * 3;
   for (std::size_t c = 0; c < held->clips; ++c) {

@@ -18,9 +18,10 @@ struct HeaderColumn {
 };
 
 /// The columns of a header that names joints: a name and an axis a column ("left_knee_x", "KneeLeft.Y (mm)",
-/// "x:left knee"), a name on three columns, a name above each x y z, or one name for each three numbers. Empty: it
-/// names no joints. Error kInconsistent where it names joints and its columns are not those of the rows.
-Expected<std::vector<HeaderColumn>> HeaderColumns(const std::vector<std::vector<std::string>>& header, int columns,
+/// "x:left knee"), a name on three columns, a name above each x y z, or one name for each three numbers; a line of
+/// units below. Empty: it names no joints. Error kInconsistent where it names joints and its columns are not those of
+/// the rows.
+Expected<std::vector<HeaderColumn>> HeaderColumns(std::vector<std::vector<std::string>> header, int columns,
                                                   const std::string& name);
 
 /// What a header says of the numbers of a frame.

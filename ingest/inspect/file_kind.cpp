@@ -159,7 +159,10 @@ FileKind NumbersKind(std::string_view bytes) {
 /// "[]", "[{" or "[1": TOML has a name between brackets.
 bool BeginsAsJsonList(std::string_view bytes) {
   const std::size_t inside = bytes.find_first_not_of("[ \t\r\n");
+  const std::string_view line = Trim(bytes.substr(0, bytes.find('\n')));
   if (inside == std::string_view::npos) return false;
+  if (line.back() == ']' && bytes.substr(0, kKindHead).find('=') != std::string_view::npos)
+    return false;  // "[24265867]"
   const char c = bytes[inside];
   return c == ']' || c == '{' || c == '-' || (c >= '0' && c <= '9');
 }
@@ -255,7 +258,6 @@ JsonKind JsonKindOf(std::string_view bytes) {
   TopKeys keys;
   nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
   const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
-  if (keys.list && keys.top.empty()) return JsonKind::kList;
   if (has("k4abt_sdk_version") || (has("joint_names") && has("bone_list"))) return JsonKind::kAzureBodies;
   if (keys.list && (has("keypoints3d") || has("keypoints"))) return JsonKind::kEasyMocap;
   if (has("people") || keys.keypoints) return JsonKind::kOpenPose;
@@ -264,7 +266,7 @@ JsonKind JsonKindOf(std::string_view bytes) {
   if (has("views") && has("depth_unit")) return JsonKind::kDepthStill;
   if (keys.top.size() == 2 && has("content") && has("style")) return JsonKind::kBandaiLabel;
   if (keys.below.count("babel_sid") > 0) return JsonKind::kBabel;
-  return JsonKind::kOther;
+  return keys.list ? JsonKind::kList : JsonKind::kOther;
 }
 
 Expected<std::vector<FolderFile>> FilesToInspect(const std::filesystem::path& path) {

@@ -49,7 +49,7 @@ enum class JsonKind {
   kPanopticBodies,
   kBabel,
   kBandaiLabel,
-  kList,        ///< without objects: EasyMocap writes [] for a frame without people
+  kList,        ///< another list: EasyMocap writes [] for a frame without people
   kEasyMocap,   ///< people of EasyMocap, or of a list of COCO's keypoints
   kAzureBodies  ///< body tracking of the Azure Kinect
 };

@@ -203,9 +203,23 @@ std::string FieldText(const char* name, const Pooled<T>& pooled) {
   return NamedLine(name, text);
 }
 
-std::string GroupText(const InspectedGroup& group) {
+/// The first ids of the group's clips, as --clip takes them.
+std::string IdsOf(const InspectedGroup& group, const std::vector<InspectedClip>& clips) {
+  constexpr std::size_t kMostIds = 8;
+  std::string text;
+  std::size_t count = 0;
+  for (const InspectedClip& clip : clips) {
+    const bool own =
+        FolderOf(clip.file) == group.folder && clip.format == group.format && clip.joints.value == group.joints;
+    if (own && count++ < kMostIds) text += (text.empty() ? "" : ", ") + clip.id;
+  }
+  return text + (count > kMostIds ? " and " + std::to_string(count - kMostIds) + " more (--json lists them)" : "");
+}
+
+std::string GroupText(const InspectedGroup& group, const std::vector<InspectedClip>& clips) {
   std::string text = (group.folder.empty() ? "" : group.folder + "/: ") +
                      Counted(static_cast<long long>(group.clips), "clip") + ", " + group.format + "\n" +
+                     NamedLine("ids", IdsOf(group, clips)) +
                      NamedLine("frames", std::to_string(group.frames) + " (" + std::to_string(group.fewest_frames) +
                                              " to " + std::to_string(group.most_frames) + " a clip)") +
                      NamedLine("joints", ValueText(group.joints));
@@ -299,7 +313,7 @@ std::string InspectionText(const Inspection& inspection) {
   if (inspection.clips.size() <= 2) {
     for (const InspectedClip& clip : inspection.clips) text += "\n" + ClipText(clip);
   } else {
-    for (const InspectedGroup& group : inspection.groups) text += "\n" + GroupText(group);
+    for (const InspectedGroup& group : inspection.groups) text += "\n" + GroupText(group, inspection.clips);
   }
   text += SceneText(inspection);
   const std::string findings = FindingsText(inspection.findings);

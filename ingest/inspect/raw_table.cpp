@@ -33,10 +33,23 @@ std::optional<TableReading> TruncatedLayout(const JointTable& rows) {
   return best;
 }
 
+/// Whether all numbers of a column lie in 0..1, as confidences do.
+bool LiesInUnitRange(const JointTable& rows, int column) {
+  for (int row = 0; row < rows.frames; ++row) {
+    const double value = rows.at(row, 0, column);
+    if (!std::isnan(value) && !(value >= 0.0 && value <= 1.0)) return false;
+  }
+  return true;
+}
+
 /// What a header says, of which nothing is estimated but what its names leave open.
 Expected<TableReading> NamedLayout(const JointTable& rows, std::vector<HeaderColumn> columns, const std::string& name) {
   const Expected<HeaderLayout> said = LayoutOfHeader(columns, name);
   if (!said) return Forward(said);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool sure = columns[c].word == "confidence";
+    if (sure && !LiesInUnitRange(rows, static_cast<int>(c))) columns[c].word = kFillIn;  // of another scale
+  }
   TableReading reading;
   reading.layout.joints = static_cast<int>(said->joints.size());
   reading.layout.columns = std::move(columns);
@@ -58,7 +71,13 @@ Expected<TableReading> BestLayout(const JointTable& rows, const std::string& nam
   if (!named->empty()) return NamedLayout(rows, *std::move(named), name);
   const std::optional<RowLayout> counted = CountedLayout(rows);
   const std::vector<RowLayout> layouts = counted ? std::vector<RowLayout>{*counted} : PossibleLayouts(rows);
-  if (std::optional<TableReading> known = KnownLayout(rows, layouts)) return *std::move(known);
+  std::optional<TableReading> known = KnownLayout(rows, layouts);
+  if (known && known->layout.second_person) {
+    return Fail(ErrorCode::kUnsupported, "each row holds two people of " + Counted(known->clip.joints, "joint"), name,
+                "write a file for each, or declare a source of the first: ingest.source.layout: '" +
+                    known->layout.Text() + "'");
+  }
+  if (known) return *std::move(known);
   const bool joint_a_row = rows.columns == 3 || rows.columns == 4;
   if (std::optional<TableReading> cut = joint_a_row ? TruncatedLayout(rows) : std::nullopt) return *std::move(cut);
   std::optional<TableReading> smoothest;

@@ -28,6 +28,7 @@ Expected<RawFile> JsonIn(const FileBytes& file) {
     return refuse("an empty JSON list: no person is there, as EasyMocap writes it",
                   "EasyMocap's keypoints are not read: export its motion as BVH, or the points as a table");
   }
+  if (kind == JsonKind::kList) return refuse("a JSON list of no known format", "docs/inspect.md lists the formats");
   if (kind == JsonKind::kEasyMocap) {
     return refuse("a JSON list of people with keypoints, as EasyMocap and COCO's programs write them: not read",
                   "write the points as a table of a row a frame, or as OpenPose's JSON files");

@@ -43,6 +43,7 @@ std::vector<FrameNumber> NumbersOf(const RowLayout& layout) {
 struct JointPlace {
   int axis[3] = {-1, -1, -1};
   int confidence = -1;
+  int open = -1;  ///< of which nothing says what it is
 };
 
 std::vector<JointPlace> PlacesOf(const RowLayout& layout) {
@@ -54,6 +55,8 @@ std::vector<JointPlace> PlacesOf(const RowLayout& layout) {
     if (numbers[n].column <= JointColumn::kZ)
       place.axis[static_cast<std::size_t>(numbers[n].column)] = static_cast<int>(n);
     if (numbers[n].column == JointColumn::kConfidence) place.confidence = static_cast<int>(n);
+    const std::size_t column = layout.columns.empty() ? 0 : n % layout.columns.size();
+    if (!layout.columns.empty() && layout.columns[column].word == kFillIn) place.open = static_cast<int>(n);
   }
   return places;
 }
@@ -70,7 +73,7 @@ bool MayBeConfidences(const JointTable& rows, const RowLayout& layout) {
   const std::vector<JointPlace> places = PlacesOf(layout);
   for (int f = 0; f < FramesOf(rows, layout); ++f) {
     for (const JointPlace& place : places) {
-      const double value = NumberOf(rows, layout, f, place.axis[2] + 1);
+      const double value = place.open < 0 ? 0.0 : NumberOf(rows, layout, f, place.open);
       if (!(value >= 0.0 && value <= 1.0)) return false;
     }
   }
@@ -87,15 +90,13 @@ void CountMissing(const JointTable& rows, const RowLayout& layout, RawClip& clip
   const std::vector<JointPlace> places = PlacesOf(layout);
   const bool declared =
       std::any_of(places.begin(), places.end(), [](const JointPlace& p) { return p.confidence >= 0; });
-  const bool open = std::any_of(layout.columns.begin(), layout.columns.end(), [](const HeaderColumn& column) {
-    return !column.joint.empty() && column.word == kFillIn;
-  });
+  const bool open = std::any_of(places.begin(), places.end(), [](const JointPlace& p) { return p.open >= 0; });
   if (!declared && (!open || !MayBeConfidences(rows, layout))) return;
   std::size_t unsure = 0, missing = 0, placed = 0, at = 0;
   for (int f = 0; f < FramesOf(rows, layout); ++f) {
     for (const JointPlace& place : places) {
       const bool seen = clip.confidence[at++] > 0.0;
-      const int number = declared ? place.confidence : place.axis[2] + 1;
+      const int number = declared ? place.confidence : place.open;
       const bool none = number >= 0 && !(NumberOf(rows, layout, f, number) > 0.0);
       unsure += none ? 1 : 0;
       placed += none && seen ? 1 : 0;
@@ -279,15 +280,24 @@ RowLayout OneFrameARow(const JointTable& rows, int joints, int leading, int per_
   return layout;
 }
 
-/// The same of the first of two people, where the second is zero throughout; nothing where it is there.
+/// The same of the first of two people; nothing of another count of columns.
 std::optional<RowLayout> FirstOfTwo(const JointTable& rows, int leading, int per_joint) {
   const int rest = rows.columns - leading;
   const int joints = rest / (2 * per_joint), numbers = joints * per_joint;
-  if (rest != 2 * numbers || !IsKnownCount(joints) || !AreAbsent(rows, leading + numbers)) return std::nullopt;
-  RowLayout layout = OneFrameARow(rows, joints, leading, per_joint);
-  layout.columns.insert(layout.columns.end(), static_cast<std::size_t>(numbers), {"", "skip", "", ""});
-  layout.words += ", and as many of a second person, who is zero throughout: absent";
-  return layout;
+  if (rest != 2 * numbers || !IsKnownCount(joints)) return std::nullopt;
+  RowLayout first = OneFrameARow(rows, joints, leading, per_joint), second = first;
+  const std::vector<HeaderColumn> passed(static_cast<std::size_t>(numbers), {"", "skip", "", ""});
+  second.columns.insert(second.columns.begin() + leading, passed.begin(), passed.end());
+  first.columns.insert(first.columns.end(), passed.begin(), passed.end());
+  first.words += ", and as many of a second person";
+  if (AreAbsent(rows, leading + numbers)) {
+    first.words += ", who is zero throughout: absent";
+    return first;
+  }
+  RawClip other = ReadPoints(rows, second);
+  if (!RecogniseOrder(other)) return std::nullopt;
+  first.second_person = true;
+  return first;
 }
 
 /// A joint in each row, behind `leading` numbers.

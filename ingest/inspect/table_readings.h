@@ -17,6 +17,7 @@ struct RowLayout {
   int joints = 0;
   int rows_per_frame = 1;             ///< 1, or one a joint
   std::vector<HeaderColumn> columns;  ///< of a row; `word` is empty of one that may count the frames
+  bool second_person = false;         ///< who is there, and whose columns are passed over
   std::string fixed;                  ///< the layout of a known set, instead of `columns`
   std::string words;                  ///< how it was recognised
 

@@ -154,6 +154,11 @@ std::optional<ExportedMotion> ExportedMotionIn(const Npz& npz) {
 
 bool IsArrayOfObjects(const NpyArray& header) { return header.dtype == "|O"; }
 
+bool ArePeople(const std::vector<std::size_t>& shape) {
+  constexpr std::size_t kMostPeople = 2;
+  return shape.size() == 4 && shape[3] == 3 && shape[1] <= kMostPeople && shape[0] >= kFewestArrayFrames;
+}
+
 std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   std::vector<std::size_t> sizes = shape;
   const bool of_classes = sizes.size() == 5;
@@ -175,10 +180,13 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape) {
   if (sizes.size() != 2 && !batch) return std::nullopt;
   if (sizes.back() % 3 != 0 || sizes.back() / 3 < kFewestJoints) return std::nullopt;
   if (std::count(sizes.begin(), sizes.end(), std::size_t{0}) != 0) return std::nullopt;
+  if (ArePeople(shape)) return std::nullopt;
   return ArrayShape{batch, false, batch ? sizes[0] : 1, 0, sizes[sizes.size() - 2], sizes.back() / 3};
 }
 
 std::string OtherThanJoints(const std::vector<std::size_t>& shape) {
+  if (ArePeople(shape))
+    return "(frames, people, joints, 3): write a file for each person, as numpy's array[:, 0] gives the first";
   if (shape.size() < 2 || (shape.back() != 263 && shape.back() != 251)) return "";
   return std::string("features of ") + (shape.back() == 263 ? "HumanML3D" : "KIT-ML") +
          " (root velocities, positions, rotations and contacts of a frame), not joint positions: use the joints that "

@@ -44,6 +44,9 @@ std::optional<ArrayShape> ShapeOfJoints(const std::vector<std::size_t>& shape);
 /// Whether the array holds a pickle, as MDM's results.npy does.
 bool IsArrayOfObjects(const NpyArray& header);
 
+/// (frames, people, joints, 3), as NTU's are written: no batch of clips of one or two frames.
+bool ArePeople(const std::vector<std::size_t>& shape);
+
 /// What an array of this shape contains instead of positions, and how to get those (HumanML3D's features); else "".
 std::string OtherThanJoints(const std::vector<std::size_t>& shape);
 

@@ -279,6 +279,95 @@ std::map<std::string, Variant> Variants() {
   style = Style();
   for (int f = 0; f < kFrames; ++f) style.leading.push_back(std::to_string(f + 1));
   table("numbered_rows", style);
+  table("axis_in_the_middle", Named(ntu, [](const std::string& joint, char axis) {
+          return std::string("Position ") + static_cast<char>(axis - 'a' + 'A') + " " + SdkName(joint);
+        }));
+  style = Named(ntu, [](const std::string&, char axis) { return std::string(1, axis); });
+  style.lines.insert(style.lines.begin(), JoinTexts(ntu, ",,,") + ",,");
+  style.lines.push_back(JoinTexts(Names(75, "mm"), ","));
+  style.scale = 1000.0;
+  table("units_below", style);
+  style = Style();
+  cells.clear();
+  for (const std::string& joint : ntu) {
+    for (const char* word : {"X", "Y", "Z", "TrackingState"}) cells.push_back(SdkName(joint) + "_" + word);
+  }
+  style.lines = {JoinTexts(cells, ",")};
+  style.behind = ",2";
+  table("tracking_states", style);
+  const auto with_words = [&](const std::string& name, const Names& words, const std::string& behind) {
+    Style beside;
+    Names named;
+    for (const std::string& joint : ntu) {
+      for (const std::string& word : words) named.push_back(joint + "_" + word);
+    }
+    beside.lines = {JoinTexts(named, ",")};
+    beside.behind = behind;
+    table(name, beside);
+  };
+  with_words("two_confidences", {"x", "y", "z", "score", "visibility"}, ",0.9,0.8");
+  with_words("scores_of_hundred", {"x", "y", "z", "score"}, ",87");
+  with_words("errors_beside", {"x", "y", "z", "error", "ncams", "score"}, ",2.5,3,0.9");
+  style = Named(ntu, [](const std::string&, char axis) { return std::string(1, static_cast<char>(axis - 'a' + 'A')); });
+  style.lines[0] = "," + style.lines[0];
+  style.lines.insert(style.lines.begin(), "," + JoinTexts(Names(75, "Position"), ","));
+  style.lines.insert(style.lines.begin(), "," + JoinTexts(ntu, ",,,") + ",,");
+  for (int f = 0; f < kFrames; ++f) style.leading.push_back("1");
+  table("line_of_kinds_between", style);
+  style = Named(ntu, [](const std::string&, char axis) { return std::string(1, axis); });
+  style.lines.insert(style.lines.begin(), "Walking trial 3" + std::string(74, ','));
+  table("title_above_axes", style);
+  style = Named(ntu, Snake);
+  style.lines[0] += ",,,";
+  table("trailing_empty_cells", style);
+  style = Named(ntu, [](const std::string& joint, char axis) {
+    return SdkName(joint) + "." + static_cast<char>(axis - 'a' + 'A') + " (cm)";
+  });
+  style.scale = 100.0;
+  std::string semicolons = Text(style);
+  std::replace(semicolons.begin(), semicolons.end(), ',', ';');
+  for (std::size_t at = semicolons.find('\n'); at < semicolons.size(); ++at) {
+    if (semicolons[at] == '.') semicolons[at] = ',';
+  }
+  variants["semicolons_and_units"] = {"semicolons_and_units.csv", semicolons, ntu};
+  table("pandas_index", Counted("", [](int f) { return std::to_string(f); }));
+  table("pandas_tuples",
+        Named(ntu, [](const std::string& joint, char axis) { return "\"('" + joint + "', '" + axis + "')\""; }));
+  table("pandas_duplicates", Named(ntu, [](const std::string& joint, char axis) {
+          return SdkName(joint) + (axis == 'x' ? "" : axis == 'y' ? ".1" : ".2");
+        }));
+  style = Style();
+  cells.clear();
+  for (int j = 0; j < 25; ++j) {
+    for (const char* axis : {"x", "y", "z"}) cells.push_back("person0_joint" + std::to_string(j) + "_" + axis);
+  }
+  style.lines = {JoinTexts(cells, ",")};
+  table("numbers_with_a_prefix", style);
+  style = Named(ntu, [](const std::string& joint, char axis) {
+    return SdkName(joint) + "." + static_cast<char>(axis - 'a' + 'A') + " (millimeters)";
+  });
+  style.scale = 1000.0;
+  table("long_units", style);
+  table("axis_with_position", Named(ntu, [](const std::string& joint, char axis) {
+          return SdkName(joint) + "_" + static_cast<char>(axis - 'a' + 'A') + "position";
+        }));
+  style = Style();
+  style.lines = {JoinTexts(ntu, " ")};
+  style.behind = ",1";
+  style.separator = ' ';
+  table("names_on_four", style);
+  NpyArray people = Points();
+  people.shape = {kFrames, 1, 25, 3};
+  array("people_in_an_axis", people);
+  std::string both;
+  const std::string one = Text(Style());
+  for (const std::string_view row : SplitText(one, '\n')) {
+    if (!row.empty()) both += std::string(row) + "," + std::string(row) + "\n";
+  }
+  variants["second_person_there"] = {"two.csv", both, ntu};
+  table("two_dimensions", Named(ntu, [](const std::string& joint, char axis) {
+          return axis == 'z' ? joint + "_likelihood" : joint + "_" + axis;
+        }));
   table("unknown_names", Named(ntu, [](std::string joint, char axis) {
           std::reverse(joint.begin(), joint.end());
           return joint + "_" + axis;
