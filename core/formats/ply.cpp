@@ -231,7 +231,11 @@ class PlyParser {
           for (double k = 0.0; k < count; ++k) {
             double value = 0.0;
             if (!Load(property.type, value)) return CutOff(element, i);
-            if (Status put = Put(element, i, property, value); !put) return put;
+            if (std::abs(value) <= kLargestCoordinate) {  // of its type, as it was read
+              property.values.push_back(value);
+            } else if (Status put = Put(element, i, property, value); !put) {
+              return put;
+            }
           }
           if (property.list_count) property.first.push_back(property.values.size());
         }
