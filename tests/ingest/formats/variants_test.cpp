@@ -11,6 +11,7 @@
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
 #include "core/formats/pickle_writer.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/read_motions.h"
 #include "ingest/sources/ntu_people.h"
 #include "tests/ingest/inspections.h"
@@ -511,6 +512,42 @@ TEST_F(TableVariants, AreReadAsTheyAreOrRefusedWithTheReason) {
     EXPECT_NE(Value(clip, "handedness"), "left");
     ExpectRunReadsTheSame(file, clip, variant.joints);
   }
+}
+
+/// Whatever a header says: an error, or points for every joint of every frame.
+TEST(TableHeaders, AreReadOrRefusedHoweverTheyAreChanged) {
+  std::mt19937 random(11);
+  const std::string letters = "xyzXYZ_., ;:()\"'\t\n#0123abLR";
+  std::size_t refused = 0, read = 0;
+  for (const auto& [name, variant] : Variants()) {
+    if (variant.file.find(".csv") == std::string::npos) continue;
+    const std::size_t header = variant.bytes.find_first_of("0123456789", variant.bytes.find('\n'));
+    const std::string rows = variant.bytes.substr(0, 6000);  // some frames are enough
+    for (int i = 0; i < 12; ++i) {
+      std::string changed = rows.substr(0, rows.rfind('\n') + 1);
+      for (int edits = 1 + i % 4; edits > 0; --edits) {
+        const std::size_t at = random() % std::min(header, changed.size());
+        const char letter = letters[random() % letters.size()];
+        if (random() % 3 == 0)
+          changed.erase(at, 1 + random() % 6);
+        else if (random() % 2 == 0)
+          changed.insert(at, 1, letter);
+        else
+          changed[at] = letter;
+      }
+      const Expected<RawFile> file = ReadRawTable({changed, name + ".csv", name + ".csv"});
+      file ? ++read : ++refused;
+      if (!file) continue;
+      for (const RawClip& clip : file->clips) {
+        const auto samples = static_cast<std::size_t>(clip.frames) * static_cast<std::size_t>(clip.joints);
+        EXPECT_GT(samples, 0u);
+        EXPECT_EQ(clip.positions.empty() ? samples * 3 : clip.positions.xyz.size(), samples * 3);
+        EXPECT_TRUE(clip.names.empty() || clip.names.size() == static_cast<std::size_t>(clip.joints));
+      }
+    }
+  }
+  EXPECT_GT(read, 100u);
+  EXPECT_GT(refused, 50u);
 }
 
 }  // namespace
