@@ -1,8 +1,12 @@
 #include "ingest/inspect/read_raw.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "core/base/text.h"
 #include "core/formats/bandai_label.h"
 #include "core/formats/camera_files.h"
+#include "core/formats/line_reader.h"
 #include "ingest/formats/driver.h"
 
 namespace mocurate {
@@ -40,6 +44,37 @@ Expected<RawFile> JsonIn(const FileBytes& file) {
   return kind == JsonKind::kBandaiLabel ? BandaiLabelIn(file) : ReadRawCalibration(file);
 }
 
+/// Why a text whose second line is nearly all numbers is no table: words between them, or semicolons.
+std::optional<Error> FaultOfTable(const FileBytes& file) {
+  constexpr int kFewestNumbers = 6;
+  std::string_view text = file.bytes.substr(0, kKindHead);
+  for (int line = 1; line <= 2 && !text.empty(); ++line) {
+    const std::string_view row = Trim(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(text.size(), std::min(text.find('\n'), text.size() - 1) + 1));
+    const std::size_t first = row.find_first_of(",;\t");
+    if (line == 1 || first == std::string_view::npos) continue;
+    int numbers = 0, words = 0, column = 0, at = 0;
+    std::string word;
+    for (const std::string_view cell : SplitText(row, row[first])) {
+      ++at;
+      if (Trim(cell).empty()) continue;
+      const bool number = ParseDouble(Trim(cell)).has_value();
+      (number ? numbers : words) += 1;
+      if (!number && word.empty()) word = Shown(Trim(cell)), column = at;
+    }
+    if (numbers < kFewestNumbers || words > numbers) return std::nullopt;
+    const std::string place = file.name + ":2";
+    if (words > 0)
+      return Error{ErrorCode::kUnsupported,
+                   "a table with words among its numbers: '" + word + "' in column " + std::to_string(column), place,
+                   "leave that column out; write times as numbers (a column time_s)"};
+    if (row[first] == ';')
+      return Error{ErrorCode::kUnsupported, "numbers with decimal points between semicolons", place,
+                   "write commas, tabs or blanks between them"};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Expected<RawFile> ReadRawCalibration(const FileBytes& file) {
@@ -65,6 +100,7 @@ Expected<RawFile> ReadRawFile(const FileBytes& file) {
     case FileKind::kEmpty:
       return EmptyFile(file.name);
     default:
+      if (auto fault = FaultOfTable(file)) return tl::unexpected<Error>(*std::move(fault));
       return Fail(ErrorCode::kUnsupported, "the content is not one of the known formats", file.name,
                   "docs/inspect.md lists them");
   }

@@ -393,6 +393,11 @@ std::map<std::string, Variant> Variants() {
     }
   }
   variants["joints_in_words"] = {"joints_in_words.csv", tidy, ntu};
+  table("times_of_day", Counted("Timestamp", [](int f) { return "2024-05-01T12:00:0" + FormatDouble(f / 60.0); }));
+  style = Named(ntu, Snake);
+  style.lines[0] += ",label";
+  style.end = ",walk";
+  table("label_at_the_end", style);
   NpyArray last = Transposed(Points(), {1, 2, 0});
   last.shape.insert(last.shape.begin(), 1);
   array("frames_last", last);
