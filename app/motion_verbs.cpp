@@ -38,7 +38,8 @@ void AddExport(const CommandLine& line) {
   }
   verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
   verb_export->add_option("--source", arguments->source, "source declaration, for files without one of their own");
-  AddRepeated(verb_export, "--clip", arguments->clips, "clip to export, by its id or what stands behind a / in it (default: all)");
+  AddRepeated(verb_export, "--clip", arguments->clips,
+              "clip to export, by its id or what stands behind a / in it (default: all)");
   verb_export->add_option("--split", arguments->split,
                           "split to write (default: all; amass_babel contains only one, the first)");
   verb_export

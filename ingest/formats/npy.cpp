@@ -150,9 +150,13 @@ Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
   if (!array->texts.empty()) {
     return Fail(ErrorCode::kInconsistent, "the array holds text, not joint positions", file.name);
   }
-  if (const std::string rotations = source.lie_bone_lengths.empty() ? RotationsInstead(*array, file.name) : "";
-      !rotations.empty()) {
-    return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, file.name);
+  if (source.lie_bone_lengths.empty()) {
+    std::vector<std::string> joints = source.joints;
+    for (const Joint& joint : (*skeleton)->joints) {
+      if (source.joints.empty()) joints.push_back(joint.name);
+    }
+    const std::string rotations = RotationsInstead(*array, file.name, BonesOf(joints, **skeleton));
+    if (!rotations.empty()) return Fail(ErrorCode::kUnsupported, "the array holds " + rotations, file.name);
   }
   if (const std::string other = OtherThanJoints(array->shape); !cube && !flat && !other.empty()) {
     return Fail(ErrorCode::kInconsistent, "an array of shape " + ArrayShapeText(*array) + " holds " + other, file.name);

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 
-#include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
 #include "core/formats/row_counter.h"
-#include "core/geometry/axes.h"
 #include "core/motion/skeleton.h"
 #include "ingest/inspect/joint_orders.h"
 
@@ -76,17 +73,6 @@ std::string PlainName(std::string_view text) {
   std::string plain;
   for (const std::string& word : WordsOf(text)) plain += Lower(word);
   return plain;
-}
-
-/// Names of the skeletons in configs/skeletons.
-std::vector<std::string> SkeletonNames() {
-  constexpr std::string_view kFolder = "skeletons/", kEnding = ".yaml";
-  std::vector<std::string> names;
-  for (const std::string& path : ResourcePaths()) {
-    if (path.rfind(kFolder, 0) == 0 && EndsWith(path, kEnding))
-      names.push_back(path.substr(kFolder.size(), path.size() - kFolder.size() - kEnding.size()));
-  }
-  return names;
 }
 
 /// Without digits, to see which names differ by their numbers alone.
@@ -382,16 +368,17 @@ std::vector<JointColumns> JointsOf(const std::vector<HeaderColumn>& columns) {
   return joints;
 }
 
-/// Whether a joint that a header names is no other name of the declared one. Names of neighbours differ between
-/// programs: a hand is a wrist, a shoulder a collar. Where the header's names are not those of the skeleton one to one,
-/// only the sides count.
-bool Contradict(const Skeleton& skeleton, int named, int declared, bool one_to_one) {
-  const Joint &a = skeleton.joints[static_cast<std::size_t>(named)],
+/// Whether a column of one joint is declared as another. Names of neighbours differ between programs, a hand is a
+/// wrist: one is taken for the other where no column has the declared name (`named`: joints of the header). Where the
+/// header's names are not those of the skeleton one to one, only the sides count.
+bool Contradict(const Skeleton& skeleton, int said, int declared, const std::set<int>& named, bool one_to_one) {
+  const Joint &a = skeleton.joints[static_cast<std::size_t>(said)],
               &b = skeleton.joints[static_cast<std::size_t>(declared)];
-  if (named == declared || a.parent == declared || b.parent == named) return false;
+  if (said == declared) return false;
   const auto side = [](const Joint& joint) { return joint.name.substr(0, joint.name.find('_')); };
-  const bool opposite = (side(a) == "left" && side(b) == "right") || (side(a) == "right" && side(b) == "left");
-  return one_to_one || opposite;
+  if ((side(a) == "left" && side(b) == "right") || (side(a) == "right" && side(b) == "left")) return true;
+  const bool neighbours = a.parent == declared || b.parent == said;
+  return one_to_one && (!neighbours || named.count(declared) > 0);
 }
 
 }  // namespace
@@ -532,6 +519,10 @@ Status CheckHeader(const std::vector<HeaderColumn>& columns, const JointLayout& 
   const auto refuse = [&](const std::string& what, const char* option) {
     return BadHeader(what, name, std::string("correct ingest.source.") + option + ", or the header where it is wrong");
   };
+  std::set<int> joints;
+  for (const std::string& said : names) {
+    if (const auto found = joint_of(said)) joints.insert(*found);
+  }
   std::size_t c = 0, joint = 0;
   for (const JointGroup& group : layout.groups) {
     for (int i = 0; i < group.count; ++i) {
@@ -543,7 +534,7 @@ Status CheckHeader(const std::vector<HeaderColumn>& columns, const JointLayout& 
           if (IsOneOf(said.word, kAxes) && said.word != axis)
             return refuse("'" + Shown(said.cell) + "' is declared as " + axis, "layout");
           const auto of_header = joint_of(said.joint), of_source = (*skeleton)->FindJoint(declared);
-          if (of_header && of_source && Contradict(**skeleton, *of_header, *of_source, one_to_one))
+          if (of_header && of_source && Contradict(**skeleton, *of_header, *of_source, joints, one_to_one))
             return refuse("'" + Shown(said.cell) + "' is declared as joint '" + declared + "'", "joints");
           const auto header_unit = MetresPerUnit(said.unit), unit = MetresPerUnit(source.units);
           if (!said.unit.empty() && header_unit && unit && *header_unit != *unit)

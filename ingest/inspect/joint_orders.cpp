@@ -6,6 +6,8 @@
 #include <mutex>
 
 #include "core/base/median.h"
+#include "core/base/resources.h"
+#include "core/base/text.h"
 #include "ingest/sources/ntu_people.h"
 #include "ingest/sources/smpl_motion.h"
 #include "ingest/synthetic/tracker.h"
@@ -85,6 +87,16 @@ const std::vector<JointOrder>& KnownJointOrders() {
       {"smpl", "smpl24", SmplJoints(24)},
       {"smpl22", "smpl24", SmplJoints(22)}};
   return orders;
+}
+
+std::vector<std::string> SkeletonNames() {
+  constexpr std::string_view kFolder = "skeletons/", kEnding = ".yaml";
+  std::vector<std::string> names;
+  for (const std::string& path : ResourcePaths()) {
+    if (path.rfind(kFolder, 0) == 0 && EndsWith(path, kEnding))
+      names.push_back(path.substr(kFolder.size(), path.size() - kFolder.size() - kEnding.size()));
+  }
+  return names;
 }
 
 Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path) {

@@ -21,6 +21,9 @@ struct JointOrder {
 
 const std::vector<JointOrder>& KnownJointOrders();
 
+/// Names of the skeletons in configs/skeletons.
+std::vector<std::string> SkeletonNames();
+
 /// LoadSkeleton, with every file read once: thousands of clips ask for the same few.
 Expected<SkeletonPtr> KnownSkeleton(const std::string& name_or_path);
 

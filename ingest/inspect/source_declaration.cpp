@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "core/base/file.h"
-#include "core/base/resources.h"
 #include "core/base/text.h"
 #include "core/motion/skeleton.h"
 #include "ingest/chosen_clips.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/declaration_writer.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/options.h"
 #include "ingest/sources/babel_segments.h"
 
@@ -23,7 +23,6 @@ namespace mocurate {
 namespace {
 
 constexpr const char* kUsualSkeleton = "smpl24";
-constexpr const char* kFolder = "skeletons/";
 constexpr double kNearHips = 0.1;  // metres, in the rest pose
 
 bool HoldsAll(const std::vector<std::string>& joints, const Skeleton& skeleton) {
@@ -56,11 +55,8 @@ std::string FittedSkeleton(const std::vector<std::string>& joints) {
   const Expected<SkeletonPtr> usual = LoadSkeleton(kUsualSkeleton);
   if (usual && HoldsAll(joints, **usual)) return kUsualSkeleton;
   SkeletonPtr best;
-  for (const std::string& path : ResourcePaths()) {
-    const std::string file = path.rfind(kFolder, 0) == 0 ? path.substr(std::string(kFolder).size()) : "";
-    const std::size_t ending = file.rfind(".yaml");
-    if (ending == std::string::npos) continue;
-    const Expected<SkeletonPtr> skeleton = LoadSkeleton(file.substr(0, ending));
+  for (const std::string& name : SkeletonNames()) {
+    const Expected<SkeletonPtr> skeleton = LoadSkeleton(name);
     if (!skeleton || !HoldsAll(joints, **skeleton) || !RootBetweenHips(**skeleton)) continue;
     if (!best || (*skeleton)->joint_count() < best->joint_count()) best = *skeleton;
   }

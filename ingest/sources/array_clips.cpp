@@ -202,7 +202,7 @@ bool IsBodyParameter(std::string_view name) {
   return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
 }
 
-std::string RotationsInstead(const NpyArray& array, const std::string& name) {
+std::string RotationsInstead(const NpyArray& array, const std::string& name, const std::vector<RawBone>& declared) {
   // Of 63 and 69 numbers nothing but the name tells: other skeletons have 21 and 23 joints.
   constexpr std::pair<std::size_t, const char*> kColumns[] = {
       {66, "SMPL's body"}, {72, "SMPL"}, {156, "SMPL-H"}, {165, "SMPL-X"}};
@@ -223,6 +223,7 @@ std::string RotationsInstead(const NpyArray& array, const std::string& name) {
   const Points points = ReadPoints({{array.shape[0], array.shape[1] / 3, 3}, array.dtype, array.values, {}}, kAsItLies);
   const Expected<SkeletonPtr> smpl = KnownSkeleton("smpl24");
   const std::vector<std::string> body(kSmplJointNames, kSmplJointNames + kBody);
+  if (!declared.empty() && ScoreBody(points.positions, points.confidence, declared).IsBody()) return "";
   if (BodyIn(points) || !smpl || ScoreBody(points.positions, points.confidence, BonesOf(body, **smpl)).IsBody())
     return "";
   return "as many numbers a frame as the rotation vectors of " + std::string(of->second) +

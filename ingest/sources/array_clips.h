@@ -9,6 +9,7 @@
 #include "core/base/finding.h"
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/sources/source_file.h"
 
 namespace mocurate {
@@ -56,7 +57,8 @@ bool IsBodyParameter(std::string_view name);
 /// What an array (frames, columns) is where it holds SMPL's rotation vectors, not joint positions: by the file's name,
 /// or by as many numbers a frame as SMPL, SMPL-H or SMPL-X have, vectors of at most half a turn that are no body; else
 /// "".
-std::string RotationsInstead(const NpyArray& array, const std::string& name);
+/// `declared`: bones of a source's order, in which the points may be a body.
+std::string RotationsInstead(const NpyArray& array, const std::string& name, const std::vector<RawBone>& declared = {});
 
 /// One clip of a file of arrays.
 struct ArrayClip {

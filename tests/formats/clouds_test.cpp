@@ -94,6 +94,8 @@ TEST(Ply, RejectsInvalidNumbersAndVertices) {
   ExpectError(ReadPly(head + "0 0\n1 1\n2 2\n"), ErrorCode::kInconsistent, "c.ply:9");
   ExpectError(ReadPly("ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nend_header\n0\n"),
               ErrorCode::kInconsistent, "c.ply:5");
+  ExpectError(ReadPly("ply\nelement vertex 0\nproperty float x\nformat binary_big_endian 1.0\nend_header\n"),
+              ErrorCode::kMalformed, "c.ply:2");
   const std::string face = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\nend_header\n";
   ExpectError(ReadPly(face + "3 0 1 2\n"), ErrorCode::kInconsistent, "c.ply:face 0/vertex_index");
   ExpectMalformed(ReadPly(face + "300 0 1 2\n"), "c.ply:6:face 0/vertex_index");

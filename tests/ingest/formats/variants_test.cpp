@@ -11,6 +11,7 @@
 #include "core/formats/npy.h"
 #include "core/formats/npz.h"
 #include "core/formats/pickle_writer.h"
+#include "ingest/formats/joint_table.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/read_motions.h"
 #include "ingest/sources/ntu_people.h"
@@ -517,6 +518,42 @@ TEST_F(TableVariants, AreReadAsTheyAreOrRefusedWithTheReason) {
     EXPECT_NE(Value(clip, "handedness"), "left");
     ExpectRunReadsTheSame(file, clip, variant.joints);
   }
+}
+
+/// A declaration beside the names of a header: joints in the order of the columns.
+Status Declaring(const Names& header, const Names& joints, const std::string& units = "m") {
+  SourceOptions source = SmallArrays(".").source;
+  source.format = "joint_table";
+  source.skeleton = header.size() == 25 ? "ntu25" : "smpl24";
+  source.layout = std::to_string(joints.size()) + "*(x y z)";
+  source.joints = joints;
+  source.units = units;
+  Style style = Named(header, [](const std::string& joint, char axis) { return joint + "_" + axis + "_m"; });
+  style.joints = Names(header.size(), "head");
+  const auto rows = ReadTableRows(source, Text(style), "t.csv");
+  return rows ? Status() : Status(Forward(rows));
+}
+
+TEST(TableHeaders, RefuseADeclarationThatTheyContradict) {
+  const Names ntu = NtuJointNames();
+  EXPECT_TRUE(Declaring(ntu, ntu));
+  Names shifted = ntu;
+  std::rotate(shifted.begin(), shifted.begin() + 1, shifted.end());
+  Names knee = ntu;  // one joint along the leg, as a list that is off by one names it
+  std::replace(knee.begin(), knee.end(), std::string("left_knee"), std::string("left_ankle"));
+  for (const Names& wrong : {SwappedSides(ntu), shifted, knee}) {
+    const Status refused = Declaring(ntu, wrong);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().reason, Reason::kOtherLayout);
+  }
+  EXPECT_FALSE(Declaring(ntu, ntu, "mm"));
+  // Another program's names of the same body.
+  const Names mixamo = {"Hips", "Spine",        "Spine1",  "Spine2",      "Neck",
+                        "Head", "LeftShoulder", "LeftArm", "LeftForeArm", "LeftHand"};
+  const Names smpl = {"pelvis", "spine1",      "spine2",        "spine3",     "neck",
+                      "head",   "left_collar", "left_shoulder", "left_elbow", "left_wrist"};
+  const Status accepted = Declaring(mixamo, smpl);
+  EXPECT_TRUE(accepted) << accepted.error().Message();
 }
 
 /// Whatever a header says: an error, or points for every joint of every frame.
