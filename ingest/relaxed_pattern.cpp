@@ -1,6 +1,5 @@
 #include "ingest/relaxed_pattern.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -23,90 +22,42 @@ std::string NameFor(const fs::path& file, const NamePattern& pattern) {
   return DisplayPath(whole.lexically_relative(folder));
 }
 
-/// The ending that files of any name must have; nothing where names are as declared, or nothing can be taken.
-std::optional<std::string> EndingToTake(const fs::path& path, const NamePattern& pattern) {
-  std::error_code unknown;
-  if (fs::is_regular_file(path, unknown)) {
-    if (pattern.Match(NameFor(path, pattern))) return std::nullopt;
-    return path.extension().string();
-  }
-  const Expected<FolderListing> listing = ListFiles(path, pattern.depth());
-  if (!listing) return std::nullopt;
-  const std::string ending = fs::path(pattern.text()).extension().string();
-  bool any = false;
-  for (const FolderFile& file : listing->files) {
-    if (pattern.Match(file.name)) return std::nullopt;
-    any = any || (DepthOf(file.name) == 0 && fs::path(file.name).extension() == ending);
-  }
-  return any ? std::optional<std::string>(ending) : std::nullopt;
-}
-
-/// Whether a text names a clip by a field that the pattern does not have.
-bool LacksField(const NamePattern& pattern, const std::string& text) {
-  std::vector<std::string> known = pattern.FieldNames();
-  known.insert(known.end(), {"file", "body"});
-  const std::vector<std::string> fields = FieldsOf(text);
-  return std::any_of(fields.begin(), fields.end(), [&](const std::string& field) {
-    return std::find(known.begin(), known.end(), field) == known.end();
-  });
-}
-
-/// The one skeleton beside motions that do not say theirs; that of the motion's name where there are several or none.
-std::string SkeletonOfUnnamed(const fs::path& path) {
-  std::error_code unknown;
-  const Expected<FolderListing> listing = ListFiles(fs::is_directory(path, unknown) ? path : path.parent_path(), 0);
+/// The one skeleton beside a motion that does not name its own; that of the motion's name where there are several.
+std::string SkeletonBeside(const fs::path& file) {
   std::vector<std::string> skeletons;
-  for (const FolderFile& file : listing ? listing->files : std::vector<FolderFile>()) {
-    if (fs::path(file.name).extension() == ".asf" && DepthOf(file.name) == 0) skeletons.push_back(file.name);
+  for (const fs::path& entry : EntriesOf(file.has_parent_path() ? file.parent_path() : ".")) {
+    if (entry.extension() == ".asf") skeletons.push_back(DisplayPath(entry.filename()));
   }
   return skeletons.size() == 1 ? skeletons[0] : "{file}.asf";
 }
 
 }  // namespace
 
-std::optional<std::string> RelaxFilePattern(bool for_these_files, IngestOptions& options) {
+std::optional<std::string> RelaxFilePattern(IngestOptions& options) {
   SourceOptions& source = options.source;
-  if (!source.container.empty() || DriverOf(source.format).gathered() || source.views.multi_view ||
-      !source.depth_files.empty()) {
-    return std::nullopt;
+  std::error_code unknown;
+  const bool several = !source.container.empty() || DriverOf(source.format).gathered() || source.views.multi_view ||
+                       !source.depth_files.empty();
+  if (several || !fs::is_regular_file(options.path, unknown)) return std::nullopt;
+  const Expected<NamePattern> declared = NamePattern::Parse(source.files, "ingest.source.files");
+  const std::string files = "{recording}" + options.path.extension().string();
+  if (!declared || !NamePattern::Parse(files, "ingest.source.files")) return std::nullopt;
+  if (declared->Match(NameFor(options.path, *declared))) return std::nullopt;
+  std::string text = DisplayPath(options.path) + ": the name is not as '" + source.files +
+                     "' has it, so that it declares neither who performs nor what: the recording is called as the file";
+  source.files = files;
+  source.recording = "{recording}";
+  source.person = kUnknownPerson;
+  source.bodies.clear();
+  source.labels.clear();
+  for (std::string* option : {&source.label, &source.label_table, &source.fine_label, &source.session, &source.view,
+                              &source.style, &source.frames_in_name})
+    option->clear();
+  if (!FieldsOf(source.skeleton_files).empty()) {
+    source.skeleton_files = SkeletonBeside(options.path);
+    text += ", its skeleton to be " + source.skeleton_files + " (or set ingest.source.skeleton_files)";
   }
-  Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
-  if (!pattern) return std::nullopt;
-  const std::optional<std::string> ending = EndingToTake(options.path, *pattern);
-  if (!ending && !for_these_files) return std::nullopt;
-  const std::string declared = source.files;
-  if (ending) {
-    pattern = NamePattern::Parse("{recording}" + *ending, "ingest.source.files");
-    if (!pattern) return std::nullopt;  // braces in the ending
-    source.files = pattern->text();
-    source.recording = "{recording}";
-    source.label_table.clear();
-  }
-  std::vector<std::string> lacking;
-  if (LacksField(*pattern, source.person)) {
-    source.person = kUnknownPerson;
-    source.bodies.clear();
-    lacking.emplace_back("who performs");
-  }
-  if (LacksField(*pattern, source.label)) {
-    source.label.clear();
-    source.labels.clear();
-    lacking.emplace_back("what");
-  }
-  if (LacksField(*pattern, source.recording)) source.recording = SourceOptions().recording;
-  for (std::string* text : {&source.fine_label, &source.session, &source.view, &source.style, &source.frames_in_name}) {
-    if (LacksField(*pattern, *text)) text->clear();
-  }
-  std::string skeleton;
-  if (LacksField(*pattern, source.skeleton_files)) {
-    source.skeleton_files = SkeletonOfUnnamed(options.path);
-    skeleton = ", its skeleton to be " + source.skeleton_files + " (or set ingest.source.skeleton_files)";
-  }
-  if (lacking.empty()) return std::nullopt;
-  const std::string defaults = lacking.size() == 2 ? "neither who performs nor what" : "not " + lacking[0];
-  return DisplayPath(options.path) + ": " +
-         (ending ? "the name is not as '" + declared + "' has it" : "by '" + declared + "'") + ", so that it tells " +
-         defaults + ": the recording is taken to be the file" + skeleton;
+  return text;
 }
 
 }  // namespace mocurate

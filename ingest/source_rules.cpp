@@ -49,12 +49,17 @@ Status CheckFilledIn(const SourceOptions& s) {
                                                               {"skeleton_files", &s.skeleton_files},
                                                               {"depth_files", &s.depth_files},
                                                               {"mask_files", &s.mask_files},
-                                                              {"recording", &s.recording}};
+                                                              {"recording", &s.recording},
+                                                              {"person", &s.person},
+                                                              {"label", &s.label}};
   ProblemList problems;
   for (const auto& [option, text] : texts) {
     if (!open(*text)) continue;
+    const bool person = text == &s.person, label = text == &s.label;
     problems.Add(OptionPlace(option), "'" + *text + "' is still to be filled in",
-                 "the files do not declare it: take it from the set's documentation");
+                 person  ? "write {fields} of ingest.source.files that name the performer, or a fixed name"
+                 : label ? "write {fields} of ingest.source.files that name the action, or '' for none"
+                         : "the files do not declare it: take it from the set's documentation");
   }
   std::string columns;
   for (const std::string& column : s.columns) columns += column + " ";

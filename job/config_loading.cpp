@@ -150,7 +150,8 @@ Status CheckValues(const JobOptions& options, const ConfigNode& node) {
   if (!options.canon.rate.empty()) check.Needs("canon.rate", FrameRate::Parse(options.canon.rate));
   const bool own_tree =
       DriverOf(source.format).gives == EvidenceKind::kMotion && options.fitting.method == FitMethod::kNone;
-  const bool same = options.skeleton == source.skeleton || options.skeleton == DriverOf(source.format).tree;
+  const bool same = options.skeleton == source.skeleton ||
+                    (source.skeleton.empty() && options.skeleton == DriverOf(source.format).tree);
   if (own_tree && !same) {
     check.Refuse("skeleton",
                  "motion of format " + source.format +

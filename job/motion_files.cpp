@@ -143,15 +143,15 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
   }
   if (IsMotionStore(path)) return declared(MotionStoreConfig(path), path, {});
   const Inspection inspection = InspectPath(path, std::nullopt);
-  const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions");
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, path, "motions", NamesOfClips::kNone);
   if (!written) return Forward(written);
   if (!written->unknown.empty()) {
     return Fail(ErrorCode::kUsage, "the files do not declare " + JoinTexts(written->unknown), DisplayPath(path),
                 "give --source with a source declaration; `mocurate config init " + DisplayPath(path) +
                     " -o source.yaml` writes its known part");
   }
-  return declared(ConfigSource{written->yaml, "what the files show", fs::current_path()},
-                  written->path.empty() ? path : written->path, UnreadableOf(inspection));
+  return declared(ConfigSource{written->yaml, "what the files show", fs::current_path()}, path,
+                  UnreadableOf(inspection));
 }
 
 Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles& files,

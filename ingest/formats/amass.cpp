@@ -15,6 +15,7 @@
 #include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/raw_clip.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/babel_segments.h"
@@ -377,6 +378,32 @@ Expected<RawFile> NpzIn(const FileBytes& file) {
   return observed;
 }
 
+/// BABEL's files of the folder, and how many of the motions they speak of.
+void WriteAnnotations(const Proposal& proposal, DeclarationWriter& writer) {
+  std::vector<std::string> files;
+  std::string list;
+  for (const RawCompanion& companion : proposal.inspection.companions) {
+    if (companion.format != "babel") continue;
+    files.push_back(companion.file);
+    list += (list.empty() ? "" : ", ") + YamlQuoted(files.back());
+  }
+  if (files.empty()) return writer.Comment("annotations: no file of BABEL's lies in the folder, clips have no labels");
+  Expected<BabelIndex> babel = BabelIndex::Read(proposal.folder, files);
+  if (!babel) return writer.Comment("annotations: not written, " + babel.error().Message());
+  const auto spoken_of = [&](const InspectedClip* clip) { return babel->Find(clip->file) != nullptr; };
+  const auto joined = std::count_if(proposal.source.clips().begin(), proposal.source.clips().end(), spoken_of);
+  writer.Value("annotations", "[" + list + "]",
+               "BABEL's, joined by the path in `feat_p`, which names " + std::to_string(joined) + " of the " +
+                   Counted(proposal.source.clips().size(), "motion") +
+                   (joined > 0 ? "" : ": keep AMASS's folders as they were"));
+}
+
+void ProposeAmass(const Proposal& proposal, DeclarationWriter& writer) {
+  WriteFiles(proposal, writer);
+  WritePersonAndLabel(false, writer);
+  if (proposal.asked == proposal.folder) WriteAnnotations(proposal, writer);
+}
+
 }  // namespace
 
 FormatDriver AmassFormat() {
@@ -392,6 +419,7 @@ FormatDriver AmassFormat() {
   d.options = {"annotations", "annotation_roles"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
   d.read_raw = NpzIn;
+  d.propose = ProposeAmass;
   d.to_clip = ReadAmassClip;
   return d;
 }

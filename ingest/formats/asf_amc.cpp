@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
@@ -11,6 +12,8 @@
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/inspect/declaration_writer.h"
+#include "ingest/inspect/file_names.h"
 #include "ingest/inspect/raw_clip.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/bvh_skeleton.h"
@@ -192,12 +195,12 @@ bool Begins(const std::string& skeleton, const std::string& motion) {
   return next == '_' || next == '-' || next == '.' || next == ' ';
 }
 
-/// The longest such name, in the motion's folder, then in the one above.
-Beside SkeletonBeside(const fs::path& motion) {
+/// The longest such name, in the motion's folder, then, where `above`, in the one above.
+Beside SkeletonBeside(const fs::path& motion, bool above) {
   Beside beside;
   const std::string stem = LowerCase(DisplayPath(motion.stem()));
   const fs::path folder = motion.has_parent_path() ? motion.parent_path() : fs::path(".");
-  for (const fs::path& place : {folder, folder / ".."}) {
+  for (const fs::path& place : above ? std::vector{folder, folder / ".."} : std::vector{folder}) {
     std::size_t longest = 0;
     for (const fs::path& path : EntriesOf(place)) {
       if (LowerCase(DisplayPath(path.extension())) != ".asf") continue;
@@ -254,13 +257,13 @@ void AddPositions(const Asf& asf, const Amc& amc, RawClip& clip) {
   if (const auto path = CheckRootPath(clip.positions, clip.points)) clip.remarks.push_back(*path);
 }
 
-/// Looks for the .asf beside the file or one folder above, whose name begins the file's; without one a remark reports
-/// it.
+/// Looks for the .asf whose name begins the file's: beside it, or one folder above where that is not above what is
+/// inspected. Without one a remark reports it.
 Expected<RawFile> AmcIn(const FileBytes& file) {
   RawClip clip;
   clip.format = "amc";
   clip.rate_evidence = "the file does not state it";
-  const Beside beside = SkeletonBeside(file.path);
+  const Beside beside = SkeletonBeside(file.path, file.name.find('/') != std::string::npos);
   std::optional<Asf> asf;
   std::string skeleton_name;
   if (!beside.skeleton.empty()) {
@@ -305,7 +308,7 @@ Expected<RawFile> AmcIn(const FileBytes& file) {
     clip.remarks.push_back(MakeFinding("skeleton_missing", Severity::kWarning, 0.0,
                                        "no .asf whose name begins this one's lies beside it" +
                                            (beside.others.empty() ? "" : " (" + beside.others + " have other names)") +
-                                           ": lengths, unit and axes stay unknown"));
+                                           ": lengths, unit and axes stay unknown; give the folder that holds both"));
   }
   return RawFile::Of(std::move(clip));
 }
@@ -325,6 +328,56 @@ Expected<RawFile> AsfIn(const FileBytes& file) {
   return observed;
 }
 
+/// The skeleton's name below the root: beside the motion, else in the nearest folder above; nothing where it is higher.
+std::optional<std::string> SkeletonBelow(const fs::path& root, const std::string& motion, const std::string& skeleton) {
+  for (std::string folder = FolderOf(motion);; folder = FolderOf(folder)) {
+    std::error_code unknown;
+    if (fs::is_regular_file(root / folder / skeleton, unknown)) {
+      return folder.empty() ? skeleton : folder + "/" + skeleton;
+    }
+    if (folder.empty()) return std::nullopt;
+  }
+}
+
+/// ingest.source.skeleton_files, from where the skeletons lie below the folder: fields of the pattern if they give
+/// each, else the one file that all share. Nothing where neither does.
+std::optional<std::string> EstimateSkeletonFiles(const Proposal& proposal, const NamePatternEstimate& estimate) {
+  const std::vector<std::string> skeletons = proposal.source.Facts("skeleton_file");
+  std::vector<std::string> motions;
+  std::set<std::string> places;
+  bool beside = true, top = true;
+  for (std::size_t i = 0; i < skeletons.size(); ++i) {
+    const std::string& motion = proposal.source.clips()[i]->file;
+    motions.push_back(motion);
+    const auto place =
+        skeletons[i].empty() ? std::optional<std::string>() : SkeletonBelow(proposal.folder, motion, skeletons[i]);
+    if (!place) continue;
+    places.insert(*place);
+    beside = beside && FolderOf(*place) == FolderOf(motion);
+    top = top && FolderOf(*place).empty();
+  }
+  if (places.empty()) return std::nullopt;
+  const std::optional<std::string> by_fields = EstimateCompanionPattern(estimate, motions, skeletons);
+  if (by_fields && top) return by_fields;
+  if (by_fields && beside) return FolderOf(estimate.pattern) + "/" + *by_fields;
+  if (places.size() == 1) return *places.begin();
+  return std::nullopt;
+}
+
+/// The field that names the skeleton file is the person.
+void ProposeAcclaim(const Proposal& proposal, DeclarationWriter& writer) {
+  const NamePatternEstimate estimate = WriteFiles(proposal, writer);
+  const std::optional<std::string> skeletons = EstimateSkeletonFiles(proposal, estimate);
+  const std::vector<std::string> fields = FieldsOf(skeletons.value_or(""));
+  if (skeletons)
+    writer.Value("skeleton_files", YamlQuoted(*skeletons), "found beside the motions");
+  else
+    writer.Unknown("skeleton_files", "no .asf beside the motions begins like the name of a motion");
+  if (fields.size() != 1) return WritePersonAndLabel(false, writer);
+  writer.Value("person", YamlQuoted("{" + fields.front() + "}"), "whose skeleton file it is");
+  writer.Name("label", "", "fields of `files` that name the action, or \"\" for none");
+}
+
 }  // namespace
 
 FormatDriver AsfAmcFormat() {
@@ -339,6 +392,7 @@ FormatDriver AsfAmcFormat() {
   d.options = {"skeleton_files"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
   d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
+  d.propose = ProposeAcclaim;
   d.to_clip = ReadAsfAmcClip;
   return d;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "core/base/median.h"
@@ -7,6 +8,7 @@
 #include "core/formats/point_cloud.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
 
@@ -95,6 +97,22 @@ Expected<RawFile> CloudIn(const FileBytes& file) {
   return observed;
 }
 
+void ProposeClouds(const Proposal& proposal, DeclarationWriter& writer) {
+  std::map<std::string, std::string> first;  // of each folder
+  for (const InspectedCloud& cloud : proposal.inspection.clouds) first.emplace(FolderOf(cloud.file), cloud.file);
+  std::vector<std::string> names;
+  for (const auto& [folder, file] : first) names.push_back(file);
+  WriteFrames(names, false, writer);
+  WritePersonAndLabel(false, writer);
+  const Reported<std::string>& units = proposal.inspection.clouds.front().units;
+  if (units.value)
+    writer.Value("units", *units.value, "measured: " + units.evidence);
+  else
+    writer.Unknown("units", units.evidence);
+  writer.Unknown("axes", "clouds do not declare up");
+  writer.Unknown("rate", "clouds do not declare it");
+}
+
 }  // namespace
 
 FormatDriver CloudsFormat() {
@@ -106,6 +124,7 @@ FormatDriver CloudsFormat() {
   d.check = CheckGrouped;
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
   d.read_raw = CloudIn;
+  d.propose = ProposeClouds;
   d.to_clip = ReadCloudsClip;
   return d;
 }

@@ -6,6 +6,7 @@
 #include "core/formats/depth_sequence.h"
 #include "core/formats/json_place.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/rig_calibration.h"
 
@@ -161,6 +162,16 @@ Expected<RawFile> StillIn(const FileBytes& file) {
   return RawFile::Of(std::move(clip));
 }
 
+void ProposeDepthSequence(const Proposal& proposal, DeclarationWriter& writer) {
+  const NamePatternEstimate estimate = WriteFiles(proposal, writer);
+  WritePersonAndLabel(false, writer);
+  const auto images = EstimateDepthFiles(proposal.folder, proposal.source.files(), estimate.pattern);
+  if (images)
+    writer.Value("depth_files", YamlQuoted(*images), "what the names of the images have in common");
+  else
+    writer.Unknown("depth_files", images.error().what);
+}
+
 }  // namespace
 
 FormatDriver DepthSequenceFormat() {
@@ -179,6 +190,7 @@ FormatDriver DepthSequenceFormat() {
   d.read_raw = [](const FileBytes& file) {
     return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
   };
+  d.propose = ProposeDepthSequence;
   d.to_clip = ReadDepthSequenceClip;
   return d;
 }

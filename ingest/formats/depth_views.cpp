@@ -1,5 +1,6 @@
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/rig_calibration.h"
 
@@ -75,6 +76,7 @@ FormatDriver DepthViewsFormat() {
   d.grouped_by = {"camera"};
   d.check = CheckGrouped;
   d.options = {"calibration", "camera_pose", "cameras", "first_frame", "mask_files", "depth_unit"};
+  d.propose = ProposeDepthViews;
   d.to_clip = ReadDepthViewsClip;
   return d;
 }

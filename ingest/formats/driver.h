@@ -10,7 +10,9 @@
 
 namespace mocurate {
 
+class DeclarationWriter;
 struct FileBytes;
+struct Proposal;
 struct RawFile;
 
 /// What the clips of a source contain when they are ingested.
@@ -41,7 +43,7 @@ struct FormatDriver {
   bool needs_skeleton = false;   ///< the files do not name their joints
   bool lists_joints = false;     ///< the declaration lists the joints in the order of the file
   bool lengths_assumed = false;  ///< bone lengths are the skeleton's; only the root's path is the file's
-  const char* tree = "";         ///< skeleton of all files, where they share one
+  const char* tree = "";         ///< skeleton that the joints or rotations of all files are of, where they share one
   bool holds_clips = false;      ///< a file may contain several clips; to_clip opens it
   bool stored = false;  ///< clips of a store: they keep their identity, and the file states whether they have rotations
   bool has_truth = false;  ///< a file contains the true motion beside its evidence
@@ -58,6 +60,9 @@ struct FormatDriver {
   bool (*sniff)(const FileBytes& file, FileKind kind) = nullptr;
   /// Everything that such a file contains. Null: a clip needs several files, or a declaration.
   Expected<RawFile> (*read_raw)(const FileBytes& file) = nullptr;
+  /// What `config init` writes of the names of clips and of options of this format; of clips of many files all else
+  /// too. Null: `files` by what the names have in common.
+  void (*propose)(const Proposal& proposal, DeclarationWriter& writer) = nullptr;
   /// Clips of `source.container` below `folder`, in its order. Errors of the format; kNotFound names a missing file.
   Expected<std::vector<ContainerEntry>> (*entries)(const SourceOptions& source,
                                                    const std::filesystem::path& folder) = nullptr;

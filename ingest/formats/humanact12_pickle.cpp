@@ -9,6 +9,7 @@
 #include "core/motion/kinematics.h"
 #include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/mapped_file.h"
 #include "ingest/sources/smpl_motion.h"
@@ -121,6 +122,12 @@ Expected<IngestedClip> ReadHumanAct12Clip(const SourceFile& file) {
   return ingested;
 }
 
+void ProposeHumanAct12(const Proposal& proposal, DeclarationWriter& writer) {
+  WriteContainer(proposal, "c{clip:4}_y{action:2}", writer);
+  writer.Name("person", kUnknownPerson, "the file does not declare it: by a fixed name all clips are one person's");
+  writer.Value("label", YamlQuoted("{action}"), "declared by the format");
+}
+
 }  // namespace
 
 FormatDriver HumanAct12PickleFormat() {
@@ -130,10 +137,12 @@ FormatDriver HumanAct12PickleFormat() {
   d.rotations = true;
   d.unit = UnitOf::kMetres;
   d.needs_skeleton = true;
+  d.tree = "smpl24";
   d.needs_container = true;
   d.options = {"container"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
   d.read_raw = ReadRawPickle;
+  d.propose = ProposeHumanAct12;
   d.to_clip = ReadHumanAct12Clip;
   d.entries = HumanAct12Entries;
   return d;

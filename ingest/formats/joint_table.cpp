@@ -12,6 +12,7 @@
 #include "ingest/formats/joint_table.h"
 #include "ingest/formats/table_header.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/joint_orders.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/options.h"
@@ -300,6 +301,43 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   return ingested;
 }
 
+void ProposeTable(const Proposal& proposal, DeclarationWriter& writer) {
+  const ClipConsensus& source = proposal.source;
+  WriteFiles(proposal, writer);
+  WritePersonAndLabel(false, writer);
+  const auto fact = [&](const char* key) { return UsualFact(source, key).first; };
+  for (const char* option : {"layout", "columns"}) {
+    const auto [text, clip] = UsualFact(source, option);
+    if (clip == nullptr) continue;
+    const bool layout = option == std::string("layout");
+    const std::size_t open = text.find(kFillIn), z = text.find('z');
+    const bool behind = open != std::string::npos && z != std::string::npos && open > z;
+    writer.Measured(option, layout ? YamlQuoted(text) : "[" + text + "]", clip->frames.evidence,
+                    open == std::string::npos ? ""
+                    : behind                  ? "`confidence` or `skip`: nothing says what stands behind x, y, z"
+                             : "`frame` where the column counts frames, or its unit where it is a clock: "
+                               "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps");
+    if (!behind) break;
+    const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
+                                     [](const InspectedClip* one) { return !one->missing_share.value; });
+    if (unsure != source.clips().end()) {
+      writer.Comment(
+          "least_confidence: 0.1 takes joints of confidence 0 as seen, but doubted; without it they are not seen. " +
+          (*unsure)->missing_share.evidence);
+    }
+    break;
+  }
+  if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
+  double missing = 0.0;
+  for (const std::string& share : source.Facts("at_origin")) {
+    missing = std::max(missing, ParseDouble(share).value_or(0.0));
+  }
+  if (missing > 0.0) {
+    writer.Value("missing", "zero",
+                 "measured: up to " + TwoDecimals(100.0 * missing) + " % of a clip's joints are at the origin");
+  }
+}
+
 }  // namespace
 
 bool HasTimes(const SourceOptions& s) {
@@ -318,6 +356,7 @@ FormatDriver JointTableFormat() {
   d.check = CheckTable;
   d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
   d.read_raw = ReadRawTable;
+  d.propose = ProposeTable;
   d.to_clip = ReadJointTableClip;
   return d;
 }

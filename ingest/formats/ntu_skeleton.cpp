@@ -7,6 +7,7 @@
 #include "core/formats/file_rules.h"
 #include "core/formats/ntu_skeleton.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/ntu_people.h"
@@ -198,6 +199,42 @@ bool IsNtu(const FileBytes& file, FileKind kind) {
   return kind == FileKind::kNtuSkeleton || (text && file.path.extension() == ".skeleton");
 }
 
+/// Of NTU RGB+D, 1 to 120.
+bool IsNtuActionOfTwo(long long action) { return (action >= 50 && action <= 60) || (action >= 106 && action <= 120); }
+
+/// NTU's names say everything; how many people a file holds is declared per action.
+void ProposeNtu(const Proposal& proposal, DeclarationWriter& writer) {
+  const std::string files = "S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton";
+  const Expected<NamePattern> pattern = NamePattern::Parse(files, "files");
+  const std::vector<std::string> names = proposal.source.files();
+  if (std::any_of(names.begin(), names.end(), [&](const std::string& name) { return !pattern->Match(name); })) {
+    WriteFiles(proposal, writer);
+    return WritePersonAndLabel(false, writer);
+  }
+  writer.Value("files", YamlQuoted(files), "declared by the format");
+  writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} numbers the people of a file");
+  writer.Value("label", "\"A{action}\"", "declared by the format");
+  std::set<std::string> of_two, of_one;
+  for (const InspectedClip* clip : proposal.source.clips()) {
+    const std::string file = clip->file;
+    const std::size_t at = file.rfind('A');
+    if (at == std::string::npos) continue;
+    const std::string action = file.substr(at, 4);
+    if (IsNtuActionOfTwo(ParseInteger(action.substr(1)).value_or(0)))
+      of_two.insert(action);
+    else if (clip->people.value.value_or(0) > 1)
+      of_one.insert(action);
+  }
+  std::string bodies;
+  for (const std::string& action : of_two) bodies += (bodies.empty() ? "" : ", ") + action + ": 2";
+  if (!bodies.empty()) writer.Value("bodies", "{" + bodies + "}", "known of the set: actions of two people");
+  if (of_one.empty()) return;
+  writer.Comment("Files of " + JoinTexts({of_one.begin(), of_one.end()}) +
+                 " hold several bodies, but the actions have one person: the others are false tracks or bystanders, "
+                 "which `people` excludes. `bodies: {" +
+                 *of_one.begin() + ": 2}` reads two people.");
+}
+
 }  // namespace
 
 FormatDriver NtuSkeletonFormat() {
@@ -207,11 +244,13 @@ FormatDriver NtuSkeletonFormat() {
   d.ending = ".skeleton";
   d.gives = EvidenceKind::kJointTracks;
   d.unit = UnitOf::kMetres;
+  d.tree = "ntu25";
   d.zeros = "; set to missing";
   d.check = CheckNtu;
   d.options = {"bodies", "people", "views", "first_frame", "inferred_confidence", "depth_files", "depth_unit"};
   d.sniff = IsNtu;
   d.read_raw = NtuIn;
+  d.propose = ProposeNtu;
   d.to_clip = ReadNtuSkeletonClip;
   return d;
 }

@@ -10,6 +10,7 @@
 #include "ingest/checks/keypoint_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/rig_calibration.h"
 
@@ -278,6 +279,23 @@ Expected<IngestedClip> ReadOpenPoseClip(const SourceFile& file) {
   return ingested;
 }
 
+void ProposeOpenPose(const Proposal& proposal, DeclarationWriter& writer) {
+  const std::optional<FramePattern> frames = WriteFrames(FirstFiles(proposal, ".json"), true, writer);
+  const std::string depth = frames ? EstimateDepthBeside(proposal, frames->recording) : std::string();
+  if (!depth.empty()) {
+    writer.Value("depth_files", YamlQuoted(depth), "what their names have in common: depth cameras beside the others");
+    writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
+  }
+  WritePersonAndLabel(true, writer);
+  const int most = proposal.source.Ask(&InspectedClip::people).value.value_or(1);
+  writer.Value("subjects", "1",
+               "a choice: in most files up to " + std::to_string(most) + " people are seen, bystanders among them");
+  WriteCalibration(proposal, writer);
+  const Vote<std::string> layout = proposal.source.Ask(&InspectedClip::skeleton);
+  writer.Value("keypoints", layout.value.value_or("measured"), layout.comment);
+  WriteRate(proposal, writer);
+}
+
 }  // namespace
 
 FormatDriver OpenPoseFormat() {
@@ -289,6 +307,7 @@ FormatDriver OpenPoseFormat() {
   d.check = CheckGrouped;
   d.options = {"calibration", "camera_pose", "cameras",     "first_frame",
                "keypoints",   "subjects",    "depth_files", "depth_unit"};
+  d.propose = ProposeOpenPose;
   d.to_clip = ReadOpenPoseClip;
   return d;
 }

@@ -4,6 +4,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
@@ -100,6 +101,16 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
   return ingested;
 }
 
+void ProposePanoptic(const Proposal& proposal, DeclarationWriter& writer) {
+  WriteFrames(FirstFiles(proposal, ".json"), false, writer);
+  WritePersonAndLabel(true, writer);
+  const int most = proposal.source.Ask(&InspectedClip::people).value.value_or(1);
+  writer.Value("subjects", std::to_string(std::max(1, most)), "measured: most bodies in a file");
+  WriteUnits(proposal, writer);
+  WriteAxes(proposal, writer);
+  WriteRate(proposal, writer);
+}
+
 }  // namespace
 
 FormatDriver PanopticFormat() {
@@ -111,6 +122,7 @@ FormatDriver PanopticFormat() {
   d.grouped_by = {"frame"};
   d.check = CheckGrouped;
   d.options = {"subjects"};
+  d.propose = ProposePanoptic;
   d.to_clip = ReadPanopticClip;
   return d;
 }

@@ -12,6 +12,7 @@
 #include "core/motion/kinematics.h"
 #include "ingest/checks/unit_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/options.h"
 #include "ingest/people/person_tracks.h"
@@ -381,6 +382,12 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
   return ClipOfPerson(person, file, *world_from_file * turned);
 }
 
+void ProposeUestc(const Proposal& proposal, DeclarationWriter& writer) {
+  WriteContainer(proposal, "a{action}_d{view}_p{person:3}_c{side}_color.avi", writer);
+  writer.Value("person", YamlQuoted("p{person}"), "declared by the format");
+  writer.Value("label", YamlQuoted(""), "declared by the format: by the lists of info/");
+}
+
 }  // namespace
 
 FormatDriver VibeTracksFormat() {
@@ -390,6 +397,7 @@ FormatDriver VibeTracksFormat() {
   d.rotations = true;
   d.unit = UnitOf::kMetres;
   d.needs_skeleton = true;
+  d.tree = "smpl24";
   d.options = {"track", "root_translation", "people"};
   d.check = CheckStart;
   d.to_clip = ReadVibeTrackClip;
@@ -404,10 +412,12 @@ FormatDriver UestcFormat() {
   d.rotations = true;
   d.unit = UnitOf::kMetres;
   d.needs_skeleton = true;
+  d.tree = "smpl24";
   d.options = {"container", "root_translation", "people"};
   d.check = CheckStart;
   d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
   d.read_raw = ReadRawUestcInfo;
+  d.propose = ProposeUestc;
   d.to_clip = ReadUestcClip;
   d.entries = UestcEntries;
   return d;

@@ -197,6 +197,14 @@ const InspectedClip& ClipConsensus::ClearestSkeleton() const {
   });
 }
 
+std::vector<std::string> ClipConsensus::files() const {
+  std::vector<std::string> names;
+  for (const InspectedClip* clip : clips_) {
+    if (std::find(names.begin(), names.end(), clip->file) == names.end()) names.push_back(clip->file);
+  }
+  return names;
+}
+
 std::vector<std::string> ClipConsensus::Facts(const char* key) const {
   std::vector<std::string> facts;
   for (const InspectedClip* clip : clips_) facts.push_back(clip->Fact(key));

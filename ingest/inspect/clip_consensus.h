@@ -23,6 +23,8 @@ class ClipConsensus {
   ClipConsensus(const Inspection& inspection, std::string format);
 
   const std::vector<const InspectedClip*>& clips() const { return clips_; }
+  /// Of the clips, each once, in their order.
+  std::vector<std::string> files() const;
   /// What is excluded, with the number of clips.
   const std::map<std::string, std::size_t>& others() const { return others_; }
   /// Files of other clips, which a pattern must not take.

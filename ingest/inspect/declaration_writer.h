@@ -8,6 +8,7 @@
 
 #include "core/base/table_text.h"
 #include "core/base/text.h"
+#include "ingest/formats/driver.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/source_declaration.h"
@@ -18,7 +19,7 @@ namespace mocurate {
 /// Lines of ingest.source, each value with a comment that says where it comes from.
 class DeclarationWriter {
  public:
-  explicit DeclarationWriter(WrittenDeclaration& out) : out_(out) {}
+  DeclarationWriter(NamesOfClips names, WrittenDeclaration& out) : names_(names), out_(out) {}
 
   /// One line, whatever the texts of the files hold.
   void Line(const std::string& text) {
@@ -54,6 +55,11 @@ class DeclarationWriter {
     out_.unknown.push_back(key);
     Value(key, YamlQuoted(std::string(kFillIn) + ": nothing in the files tells it"), "unknown: " + why);
   }
+  /// A name that no file declares: FILL_IN, or `otherwise` where the clips are only looked at.
+  void Name(const std::string& key, const std::string& otherwise, const std::string& how) {
+    if (names_ == NamesOfClips::kNone) return Value(key, YamlQuoted(otherwise), "no file declares it");
+    Unknown(key, how);
+  }
   void UnknownList(const std::string& key, const std::string& why) {
     out_.unknown.push_back(key);
     List(key, {std::string(kFillIn)}, "unknown: " + why);
@@ -78,29 +84,53 @@ class DeclarationWriter {
 
  private:
   static constexpr std::size_t kTextWidth = 116;
+  NamesOfClips names_;
   WrittenDeclaration& out_;
+};
+
+/// What a declaration is proposed from.
+struct Proposal {
+  const ClipConsensus& source;
+  const Inspection& inspection;
+  const FormatDriver& driver;
+  std::filesystem::path asked;   ///< file or folder that was inspected
+  std::filesystem::path folder;  ///< of the file, or the same
 };
 
 /// Axes of a source whose people face anywhere, from up and handedness: "+x -z +y" for "+z" in a right-handed frame.
 std::optional<std::string> AxesFrom(const std::string& up, bool right);
 
-/// Where the calibration of the cameras lies below `path`, what it means, and the axes of its world.
-void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
+/// Where the calibration of the cameras lies below the folder, what it means, and the axes of its world.
+void WriteCalibration(const Proposal& proposal, DeclarationWriter& writer);
 
-/// Names, cameras and keypoints of a source whose clips are many files: of those in the folders that the inspection
-/// names, which lie in `path`, which lies at `prefix` ("single/") below ingest.path.
-void WriteGathered(const ClipConsensus& source, const Inspection& inspection, const std::filesystem::path& path,
-                   const std::string& prefix, const std::string& format, DeclarationWriter& writer);
+/// `files` with its fields and their values.
+NamePatternEstimate WriteFiles(const Proposal& proposal, DeclarationWriter& writer);
+/// `person` and `label`; `several`: people may be in a recording.
+void WritePersonAndLabel(bool several, DeclarationWriter& writer);
+/// `container` and `files` of a format of one file.
+void WriteContainer(const Proposal& proposal, const char* files, DeclarationWriter& writer);
+/// `files`, `person`, `label` and `recording` of clips of many files, whose names have a form in common; that of the
+/// first file of each folder. `views`: they name the camera.
+std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, bool views, DeclarationWriter& writer);
+/// The first file with this ending in each folder of the clips.
+std::vector<std::string> FirstFiles(const Proposal& proposal, const std::string& ending);
+
+void WriteUnits(const Proposal& proposal, DeclarationWriter& writer);
+void WriteAxes(const Proposal& proposal, DeclarationWriter& writer);
+void WriteRate(const Proposal& proposal, DeclarationWriter& writer);
+void WriteSkeleton(const Proposal& proposal, DeclarationWriter& writer);
+
+/// The most frequent text of a fact, of those that leave nothing to fill in where there are any, and a clip with it;
+/// null where there is none.
+std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key);
 
 /// The names of images as a pattern with {`field`} for the camera and, where they are numbered, {frame}: what most of
 /// them follow. Empty where none names a camera.
 std::string EstimateImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,
                            const std::string& field);
-
 /// Pattern of depth images beside a detector's keypoints: {camera} of the inspection's cameras and {frame}, in the
 /// folder of each {recording} where the keypoints are. Empty where there are none.
-std::string EstimateDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording);
-
+std::string EstimateDepthBeside(const Proposal& proposal, bool by_recording);
 /// Pattern of the depth images of the sequences whose JSON are the files `names` below `path`: one that, with the
 /// fields of `files` (the pattern of these), gives no image to two of them, and most of them images of all their views.
 /// Error kNotFound where no name of an image is like a view's, kInconsistent where no pattern keeps the sequences'
@@ -110,28 +140,7 @@ Expected<std::string> EstimateDepthFiles(const std::filesystem::path& path, cons
 
 /// Whether the inspection is of depth images with cameras and nothing else.
 bool IsDepthViews(const Inspection& inspection);
-
-/// The lines of ingest.source after name and format of such a folder.
-void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer);
-/// The same of a folder of point clouds.
-void WriteClouds(const Inspection& inspection, DeclarationWriter& writer);
-
-/// The folder that a source stands in: the one that was asked about, or the one above where that holds what belongs to
-/// its clips.
-struct SourceRoot {
-  std::filesystem::path folder;
-  std::string prefix;  ///< of the names below the folder that was asked about: empty, or "single/"
-};
-
-/// Of motions whose skeletons (fact "skeleton_file") lie in the folder above all of them.
-SourceRoot RootOfSkeletons(const ClipConsensus& source, const std::filesystem::path& folder);
-
-/// Where no cameras are in the inspection: those of the files directly in the folder above, added to it, if there are.
-SourceRoot RootOfCameras(const std::filesystem::path& folder, Inspection& inspection);
-
-/// What names tell: `files`, with what belongs to them (skeletons, images, the container), `person` and `label`.
-/// `asked`: the file or folder that was inspected.
-void WriteNames(const ClipConsensus& source, const std::string& format, const std::filesystem::path& asked,
-                const SourceRoot& root, DeclarationWriter& writer);
+/// Names, cameras and rate of such a folder.
+void ProposeDepthViews(const Proposal& proposal, DeclarationWriter& writer);
 
 }  // namespace mocurate

@@ -233,16 +233,17 @@ bool IsDepthViews(const Inspection& inspection) {
          std::any_of(inspection.companions.begin(), inspection.companions.end(), is_depth);
 }
 
-std::string EstimateDepthBeside(const Inspection& inspection, const std::filesystem::path& path, bool by_recording) {
-  if (!IsDepthViews(inspection)) return "";
-  std::string pattern = EstimateImages(ImagesBelow(path, true), CamerasOf(inspection), "camera");
+std::string EstimateDepthBeside(const Proposal& proposal, bool by_recording) {
+  if (!IsDepthViews(proposal.inspection)) return "";
+  std::string pattern = EstimateImages(ImagesBelow(proposal.folder, true), CamerasOf(proposal.inspection), "camera");
   const std::size_t slash = pattern.find('/');
   if (pattern.find("{frame") == std::string::npos || (by_recording && slash == std::string::npos)) return "";
   return by_recording ? "{recording}" + pattern.substr(slash) : pattern;
 }
 
-void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
-  const std::vector<std::string> cameras = CamerasOf(inspection);
+void ProposeDepthViews(const Proposal& proposal, DeclarationWriter& writer) {
+  const std::filesystem::path& path = proposal.folder;
+  const std::vector<std::string> cameras = CamerasOf(proposal.inspection);
   const std::vector<std::string> images = ImagesBelow(path, true);
   const std::string pattern = EstimateImages(images, cameras, "camera");
   if (pattern.empty()) {
@@ -260,11 +261,8 @@ void WriteDepthViews(const Inspection& inspection, const std::filesystem::path& 
     writer.Value("mask_files", YamlQuoted(mask), "guessed from the names: images that are called masks");
   }
   writer.Value("recording", YamlQuoted("recording"), "a choice: all files are one recording");
-  writer.Value("person", YamlQuoted("unknown"), "unknown: write who performs");
-  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
-  writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
-  writer.Value("licence", "\"\"", "unknown: no file declares it");
-  WriteCalibration(inspection, path, writer);
+  WritePersonAndLabel(false, writer);
+  WriteCalibration(proposal, writer);
   writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
   if (pattern.find("{frame") != std::string::npos)
     writer.Unknown("rate", "images do not declare it");

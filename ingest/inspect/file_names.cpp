@@ -43,50 +43,15 @@ std::optional<std::string> LettersBeforeDigits(const std::string& part) {
   return part.substr(0, letters);
 }
 
-std::string MeaningOf(const std::string& letters) {
-  static const std::map<std::string, std::string> known = {
-      {"a", "action"},       {"act", "action"},      {"action", "action"},   {"s", "person"},     {"sub", "person"},
-      {"subject", "person"}, {"p", "person"},        {"person", "person"},   {"e", "repetition"}, {"r", "repetition"},
-      {"rep", "repetition"}, {"time", "repetition"}, {"take", "repetition"}, {"t", "repetition"}, {"c", "camera"},
-      {"cam", "camera"},     {"v", "view"},          {"g", "group"},         {"id", "clip"}};
-  std::string lower;
-  for (const char c : letters) lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  const auto meaning = known.find(lower);
-  return meaning == known.end() ? "" : meaning->second;
-}
-
-/// Gives every field a name of its own.
-class FieldNames {
- public:
-  std::string Name(const std::string& wanted) {
-    std::string name = wanted.empty() ? "part" : wanted;
-    for (int copy = 2; used_.count(name) != 0; ++copy) name = (wanted.empty() ? "part" : wanted) + std::to_string(copy);
-    used_[name] = true;
-    order.push_back(name);
-    return name;
-  }
-  bool Used(const std::string& name) const { return used_.count(name) != 0; }
-  std::vector<std::string> order;
-
- private:
-  std::map<std::string, bool> used_;
-};
-
-bool AllDiffer(const std::vector<Pieces>& all, std::size_t part) {
-  std::set<std::string> seen;
-  return std::all_of(all.begin(), all.end(), [&](const Pieces& p) { return seen.insert(p.parts[part]).second; });
-}
-
 NamePatternEstimate Unlike(const Pieces& first) {
+  NamePatternEstimate estimate;
   const auto folders = std::count(first.joints.begin(), first.joints.end(), '/');
-  NamePatternEstimate guessed;
-  for (std::ptrdiff_t i = 0; i < folders; ++i) {
-    guessed.fields.push_back("folder" + std::to_string(i + 1));
-    guessed.pattern += "{" + guessed.fields.back() + "}/";
+  for (std::ptrdiff_t i = 0; i <= folders; ++i) {
+    estimate.fields.push_back("part" + std::to_string(i + 1));
+    estimate.pattern += (i > 0 ? "/{" : "{") + estimate.fields.back() + "}";
   }
-  guessed.fields.emplace_back("clip");
-  guessed.pattern += "{clip}" + first.ending;
-  return guessed;
+  estimate.pattern += first.ending;
+  return estimate;
 }
 
 /// "cam01.0000.json" as "cam01.", "0000", ".json".
@@ -141,10 +106,6 @@ std::string FolderOf(const std::string& name) {
   return slash == std::string::npos ? "" : name.substr(0, slash);
 }
 
-bool NamePatternEstimate::Has(const std::string& field) const {
-  return std::find(fields.begin(), fields.end(), field) != fields.end();
-}
-
 std::string FormOf(const std::string& name) {
   const Pieces pieces = PiecesOf(name);
   return pieces.joints + pieces.ending;
@@ -155,59 +116,39 @@ NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names) {
   std::vector<Pieces> all;
   for (const std::string& name : names) all.push_back(PiecesOf(name));
   const Pieces& first = all.front();
-  if (names.size() == 1) {
-    NamePatternEstimate one = Unlike(first);
-    one.common = false;
-    return one;
-  }
   const bool alike = std::all_of(all.begin(), all.end(), [&](const Pieces& pieces) {
     return pieces.joints == first.joints && pieces.ending == first.ending &&
            std::none_of(pieces.parts.begin(), pieces.parts.end(), [](const std::string& part) { return part.empty(); });
   });
-  if (!alike) return Unlike(first);
-  NamePatternEstimate guessed;
-  guessed.common = true;
-  FieldNames fields;
-  const std::size_t count = first.parts.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) guessed.pattern += first.joints[i - 1];
-    const bool same =
-        std::all_of(all.begin(), all.end(), [&](const Pieces& p) { return p.parts[i] == first.parts[i]; });
-    if (same) {
-      guessed.pattern += first.parts[i];
+  if (names.size() == 1 || !alike) return Unlike(first);
+  NamePatternEstimate estimate;
+  estimate.common = true;
+  for (std::size_t i = 0; i < first.parts.size(); ++i) {
+    if (i > 0) estimate.pattern += first.joints[i - 1];
+    const auto of_all = [&](const auto& test) {
+      return std::all_of(all.begin(), all.end(), [&](const Pieces& pieces) { return test(pieces.parts[i]); });
+    };
+    if (of_all([&](const std::string& part) { return part == first.parts[i]; })) {
+      estimate.pattern += first.parts[i];
       continue;
     }
     const std::optional<std::string> letters = LettersBeforeDigits(first.parts[i]);
-    const bool numbered = letters && std::all_of(all.begin(), all.end(), [&](const Pieces& p) {
-                            return LettersBeforeDigits(p.parts[i]) == letters;
-                          });
-    if (numbered && !letters->empty()) {
-      guessed.pattern += *letters + "{" + fields.Name(MeaningOf(*letters)) + "}";
-    } else if (numbered) {
-      guessed.pattern += "{" + fields.Name(i + 1 == count ? "repetition" : "") + "}";
-    } else if (AllDiffer(all, i)) {
-      guessed.pattern += "{" + fields.Name("clip") + "}";
-    } else {
-      guessed.pattern += "{" +
-                         fields.Name(!fields.Used("action")  ? "action"
-                                     : !fields.Used("style") ? "style"
-                                                             : "") +
-                         "}";
-    }
+    if (letters && of_all([&](const std::string& part) { return LettersBeforeDigits(part) == letters; }))
+      estimate.pattern += *letters;
+    estimate.fields.push_back("part" + std::to_string(estimate.fields.size() + 1));
+    estimate.pattern += "{" + estimate.fields.back() + "}";
   }
-  guessed.pattern += first.ending;
-  guessed.fields = fields.order;
-  if (fields.order.empty()) return Unlike(first);
-  return guessed;
+  estimate.pattern += first.ending;
+  return estimate.fields.empty() ? Unlike(first) : estimate;
 }
 
-std::optional<std::string> EstimateCompanionPattern(const NamePatternEstimate& guessed,
+std::optional<std::string> EstimateCompanionPattern(const NamePatternEstimate& estimate,
                                                     const std::vector<std::string>& names,
                                                     const std::vector<std::string>& belonging) {
-  const Expected<NamePattern> pattern = NamePattern::Parse(guessed.pattern, "files");
+  const Expected<NamePattern> pattern = NamePattern::Parse(estimate.pattern, "files");
   if (!pattern) return std::nullopt;
-  const std::size_t slash = guessed.pattern.rfind('/');
-  const std::string stem = guessed.pattern.substr(slash == std::string::npos ? 0 : slash + 1);
+  const std::size_t slash = estimate.pattern.rfind('/');
+  const std::string stem = estimate.pattern.substr(slash == std::string::npos ? 0 : slash + 1);
   for (std::size_t end = stem.find_first_of("_."); end != std::string::npos; end = stem.find_first_of("_.", end + 1)) {
     std::string text;
     bool fits = true, asked = false;

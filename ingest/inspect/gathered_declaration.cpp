@@ -8,15 +8,12 @@
 #include "ingest/inspect/file_names.h"
 
 namespace mocurate {
-namespace {
 
-/// Pattern and recording of clips of many files, from one file of each folder.
-std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, bool views, const std::string& prefix,
-                                        DeclarationWriter& writer) {
+std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, bool views, DeclarationWriter& writer) {
   std::optional<FramePattern> guessed = EstimateFramePattern(names, views);
   if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
   if (guessed) {
-    writer.Value("files", YamlQuoted(prefix + guessed->pattern),
+    writer.Value("files", YamlQuoted(guessed->pattern),
                  "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
                      " folders: files that differ in {camera} and {frame} alone are one clip");
     writer.Value("recording", YamlQuoted(guessed->recording ? "{recording}" : "recording"),
@@ -28,6 +25,8 @@ std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, b
   }
   return guessed;
 }
+
+namespace {
 
 /// Names of files directly in a folder below `path`, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& path, const std::string& folder,
@@ -53,9 +52,23 @@ std::string Below(const std::filesystem::path& path, const std::string& file) {
 
 }  // namespace
 
-void WriteCalibration(const Inspection& inspection, const std::filesystem::path& path, DeclarationWriter& writer) {
+std::vector<std::string> FirstFiles(const Proposal& proposal, const std::string& ending) {
+  std::set<std::string> folders;
+  for (const InspectedClip* clip : proposal.source.clips()) folders.insert(Below(proposal.folder, clip->file));
+  std::vector<std::string> names;
+  for (const std::string& folder : folders) {
+    const std::vector<std::string> files = FilesIn(proposal.folder, folder, {ending});
+    if (!files.empty()) names.push_back(files.front());
+  }
+  return names;
+}
+
+void WriteCalibration(const Proposal& proposal, DeclarationWriter& writer) {
+  const Inspection& inspection = proposal.inspection;
+  const std::filesystem::path& path = proposal.folder;
   if (inspection.cameras.empty()) {
-    writer.UnknownList("calibration", "no file of cameras is in the folder");
+    writer.UnknownList("calibration",
+                       "no file of cameras is in the folder: put it there, or give the folder that has both");
     writer.Unknown("axes", "up is unknown");
     return;
   }
@@ -96,55 +109,6 @@ std::optional<std::string> AxesFrom(const std::string& up, bool right) {
   std::string text = axes->second;
   if (!right) text[0] = text[0] == '+' ? '-' : '+';
   return text;
-}
-
-void WriteGathered(const ClipConsensus& source, const Inspection& inspection, const std::filesystem::path& path,
-                   const std::string& prefix, const std::string& format, DeclarationWriter& writer) {
-  std::set<std::string> folders;
-  for (const InspectedClip* clip : source.clips()) folders.insert(Below(path, clip->file));
-  std::vector<std::string> names;
-  for (const std::string& folder : folders) {
-    const std::vector<std::string> files = FilesIn(path, folder, {".json"});
-    if (!files.empty()) names.push_back(files.front());
-  }
-  const bool views = format == "openpose";
-  const std::optional<FramePattern> guessed = WriteFrames(names, views, prefix, writer);
-  const std::string depth =
-      guessed && views ? EstimateDepthBeside(inspection, path, guessed->recording) : std::string();
-  if (!depth.empty()) {
-    writer.Value("depth_files", YamlQuoted(prefix + depth), "guessed from the names: depth cameras beside the others");
-    writer.Value("depth_unit", "1 mm", "a choice: images do not declare it; most sensors write millimetres");
-  }
-  const int most = source.Ask(&InspectedClip::people).value.value_or(1);
-  writer.Value("person", YamlQuoted("p{body}"), "unknown who it is; {body} tells several people of a recording apart");
-  writer.Value("subjects", views ? "1" : std::to_string(std::max(1, most)),
-               views
-                   ? "a choice: in most files up to " + std::to_string(most) + " people are seen, bystanders among them"
-                   : "measured: most bodies in a file");
-  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
-  if (!views) return;
-  WriteCalibration(inspection, prefix.empty() ? path : path.parent_path(), writer);
-  const Vote<std::string> layout = source.Ask(&InspectedClip::skeleton);
-  writer.Value("keypoints", layout.value.value_or("measured"), layout.comment);
-}
-
-void WriteClouds(const Inspection& inspection, DeclarationWriter& writer) {
-  std::map<std::string, std::string> first;  // of each folder
-  for (const InspectedCloud& cloud : inspection.clouds) first.emplace(FolderOf(cloud.file), cloud.file);
-  std::vector<std::string> names;
-  for (const auto& [folder, file] : first) names.push_back(file);
-  WriteFrames(names, false, "", writer);
-  writer.Value("person", YamlQuoted("unknown"), "unknown: write who performs");
-  writer.Value("label", YamlQuoted(""), "unknown: the names do not declare it");
-  writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
-  writer.Value("licence", "\"\"", "unknown: no file declares it");
-  const Reported<std::string>& units = inspection.clouds.front().units;
-  if (units.value)
-    writer.Value("units", *units.value, "measured: " + units.evidence);
-  else
-    writer.Unknown("units", units.evidence);
-  writer.Unknown("axes", "clouds do not declare up");
-  writer.Unknown("rate", "clouds do not declare it");
 }
 
 }  // namespace mocurate

@@ -53,7 +53,7 @@ class Inspector {
       : source_(source), folder_(folder), probe_(probe) {}
 
   /// What a run of the source makes of the path. Files that it reads are not looked at again.
-  void ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files);
+  void ReadDeclared(const std::filesystem::path& path);
   void Look(const FolderFile& file);
   /// Clips of several files, and what belongs to the whole.
   void Finish(const std::string& path);
@@ -74,7 +74,7 @@ class Inspector {
   const std::optional<SourceOptions>& source_;
   std::set<std::filesystem::path> read_, refused_by_run_;
   std::map<std::string, std::set<std::string>> recordings_;  ///< of clips of many files, by folder
-  std::string below_;                                        ///< the folder asked for, from that of the source on
+  std::string below_;  ///< where a file is asked for: its folder, from that of the source on
   bool folder_;
   const VideoProbe& probe_;
   std::vector<FolderFile> videos_;
@@ -207,7 +207,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
   if (!options.source.container.empty()) {
     return path.filename() == std::filesystem::path(options.source.container).filename();
   }
-  RelaxFilePattern(false, options);
+  RelaxFilePattern(options);
   const auto pattern = NamePattern::Parse(options.source.files, "ingest.source.files");
   std::error_code unknown;
   std::filesystem::path folder = std::filesystem::absolute(path, unknown).lexically_normal();
@@ -219,29 +219,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
   return !pattern;  // the declaration's error is reported
 }
 
-/// Where the folder asked for is one below the source's: the files of that one alone.
-Expected<Discovery> DiscoverAbove(IngestOptions& options, const std::vector<FolderFile>& files, int depth,
-                                  std::string& below) {
-  const std::filesystem::path asked = options.path;
-  Expected<Discovery> found = Discover(options);
-  if (found) return found;
-  std::error_code unknown;
-  options.path = std::filesystem::absolute(options.path, unknown).lexically_normal();
-  if (options.path.filename().empty()) options.path = options.path.parent_path();
-  for (int up = 0; up < depth && found.error().code == ErrorCode::kNotFound; ++up) {
-    below = DisplayPath(options.path.filename()) + "/" + below;
-    options.path = options.path.parent_path();
-    std::set<std::string> names;
-    for (const FolderFile& file : files) names.insert(below + file.name);
-    Expected<Discovery> above = Discover(options, names);
-    if (above) return above;
-  }
-  below.clear();
-  options.path = asked;
-  return found;
-}
-
-void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vector<FolderFile>& files) {
+void Inspector::ReadDeclared(const std::filesystem::path& path) {
   IngestOptions options;
   options.path = path;
   options.source = *source_;
@@ -253,8 +231,7 @@ void Inspector::ReadDeclared(const std::filesystem::path& path, const std::vecto
                                        "': looked at without the source"));
     return;
   }
-  const auto pattern = NamePattern::Parse(source_->files, "ingest.source.files");
-  const Expected<Discovery> found = DiscoverAbove(options, files, folder_ && pattern ? pattern->depth() : 0, below_);
+  const Expected<Discovery> found = Discover(options);
   if (!found) {
     const Error& error = found.error();
     const auto about = [&](const char* option) { return error.where == std::string("ingest.source.") + option; };
@@ -442,7 +419,7 @@ Inspection InspectPath(const std::filesystem::path& path, const std::optional<So
     AddError(files.error(), "", "unreadable", inspector.inspection.findings);
     return inspector.inspection;
   }
-  if (source) inspector.ReadDeclared(path, *files);
+  if (source) inspector.ReadDeclared(path);
   for (std::size_t i = 0; i < files->size(); ++i) {
     inspector.Look((*files)[i]);
     if (progress) progress(i + 1, files->size());

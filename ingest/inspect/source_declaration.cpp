@@ -79,7 +79,10 @@ std::string DeclaredFormat(const std::string& inspected) {
   return "";
 }
 
-void WriteAxes(const ClipConsensus& source, DeclarationWriter& writer) {
+}  // namespace
+
+void WriteAxes(const Proposal& proposal, DeclarationWriter& writer) {
+  const ClipConsensus& source = proposal.source;
   const Vote<std::string> axes = source.Ask(&InspectedClip::axes);
   const Vote<std::string> up = source.Ask(&InspectedClip::up);
   const Vote<std::string> hand = source.Ask(&InspectedClip::handedness);
@@ -100,14 +103,16 @@ void WriteAxes(const ClipConsensus& source, DeclarationWriter& writer) {
   writer.Unknown("axes", "up " + stated(up) + ", handedness " + stated(hand));
 }
 
-void WriteUnits(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
-  const UnitOf unit = DriverOf(format).unit;
+void WriteUnits(const Proposal& proposal, DeclarationWriter& writer) {
+  const UnitOf unit = proposal.driver.unit;
   if (unit == UnitOf::kCentimetres) return writer.Line("    # units: centimetres, declared by the format");
   if (unit != UnitOf::kDeclaration) return writer.Line("    # units: metres, declared by the format");
-  const Vote<std::string> units = source.Ask(&InspectedClip::units);
+  const Vote<std::string> units = proposal.source.Ask(&InspectedClip::units);
   if (!units.value) return writer.Unknown("units", units.comment);
   writer.Value("units", YamlQuoted(*units.value), units.comment);
 }
+
+namespace {
 
 /// The usual rate that the one of a clock is near to.
 std::optional<double> UsualRate(double measured) {
@@ -117,7 +122,8 @@ std::optional<double> UsualRate(double measured) {
   return std::nullopt;
 }
 
-/// The most frequent text of a fact, of those that leave nothing to fill in where there are any, and a clip with it.
+}  // namespace
+
 std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key) {
   std::map<std::string, std::size_t> counts;
   std::pair<std::string, const InspectedClip*> usual{"", nullptr};
@@ -132,10 +138,10 @@ std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& sour
   return usual;
 }
 
-void WriteRate(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
-  const Vote<double> rate = source.Ask(&InspectedClip::rate_hz);
+void WriteRate(const Proposal& proposal, DeclarationWriter& writer) {
+  const Vote<double> rate = proposal.source.Ask(&InspectedClip::rate_hz);
   if (!rate.value) {
-    if (!DriverOf(format).states_rate) writer.Unknown("rate", rate.comment);
+    if (!proposal.driver.states_rate) writer.Unknown("rate", rate.comment);
     return;
   }
   const std::string hz = FormatDouble(*rate.value) + " Hz";
@@ -151,29 +157,26 @@ void WriteRate(const ClipConsensus& source, const std::string& format, Declarati
   writer.Value("rate", hz, rate.comment);
 }
 
+namespace {
+
 /// Names of the joints as they stand in the file.
 std::vector<std::string> JointsOf(const InspectedClip& clip) {
   if (!clip.first_frame.value) return {};
   return clip.joint_names.empty() ? std::vector<std::string>(clip.first_frame.value->size()) : clip.joint_names;
 }
 
-/// Formats whose rotations are those of SMPL's joints.
-bool IsSmpl(const std::string& format) {
-  return format == "amass" || format == "humanact12_pickle" || format == "uestc" || format == "vibe_tracks";
-}
-
 /// The skeleton of configs/skeletons that the rotations of the files belong to; empty where their tree is their own, or
 /// nothing says it.
-std::string SkeletonOfRotations(const ClipConsensus& source, const std::string& format) {
-  if (IsSmpl(format)) return "smpl24";
-  const Vote<std::string> skeleton = source.Ask(&InspectedClip::skeleton);
+std::string SkeletonOfRotations(const Proposal& proposal) {
+  if (*proposal.driver.tree != '\0') return proposal.driver.tree;
+  const Vote<std::string> skeleton = proposal.source.Ask(&InspectedClip::skeleton);
   return skeleton.value && LoadSkeleton(*skeleton.value) ? *skeleton.value : "";
 }
 
 /// Rotations that the files hold are kept, where a job by itself fits others to the joints, on smpl24.
-void WriteRecordedRotations(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
-  if (!DriverOf(format).rotations) return;
-  if (const std::string skeleton = SkeletonOfRotations(source, format); !skeleton.empty()) {
+void WriteRecordedRotations(const Proposal& proposal, DeclarationWriter& writer) {
+  if (!proposal.driver.rotations) return;
+  if (const std::string skeleton = SkeletonOfRotations(proposal); !skeleton.empty()) {
     writer.Line("# Of the dataset: the skeleton of the files.");
     writer.Line("skeleton: " + skeleton);
   }
@@ -182,41 +185,16 @@ void WriteRecordedRotations(const ClipConsensus& source, const std::string& form
 }
 
 /// How the clips are fitted, where a job by itself would fit joint tracks.
-void WriteMethod(const std::string& format, DeclarationWriter& writer) {
-  const EvidenceKind gives = DriverOf(format).gives;
+void WriteMethod(EvidenceKind gives, DeclarationWriter& writer) {
   if (gives == EvidenceKind::kKeypoints) writer.Line("fitting: {method: keypoints}");
   if (gives == EvidenceKind::kDepthViews || gives == EvidenceKind::kPointClouds)
     writer.Line("fitting: {method: point_clouds}");
 }
 
-void WriteSkeleton(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
-  const Vote<std::string> skeleton = source.Ask(&InspectedClip::skeleton);
-  if (format == "bvh" || format == "asf_amc") {
-    const std::string known = SkeletonOfRotations(source, format);
-    return writer.Value(
-        "skeleton", YamlQuoted(known),
-        known.empty() ? "the files' own tree: its joints are those of no known skeleton" : skeleton.comment);
-  }
-  if (IsSmpl(format)) return writer.Value("skeleton", "smpl24", "declared by the format: its rotations are SMPL's");
-  if (format == "depth_sequence") return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
-  if (!skeleton.value) {
-    writer.Unknown("skeleton", skeleton.comment);
-    if (format != "ntu_skeleton")
-      writer.UnknownList("joints", "names in the order of the file, \"-\" for what is no joint");
-    return;
-  }
-  if (LoadSkeleton(*skeleton.value)) {
-    writer.Value("skeleton", YamlQuoted(*skeleton.value), skeleton.comment);
-  } else {
-    writer.Unknown("skeleton", "the order is " + *skeleton.value + "'s, of which there is no tree");
-  }
-  if (format == "ntu_skeleton") return;
-  writer.List("joints", JointsOf(source.ClearestSkeleton()), "in the order of the file, as for the skeleton");
-}
-
 /// The skeleton of the dataset, where the one that a job takes by itself does not have the joints that are tracked.
-void WriteFittedSkeleton(const ClipConsensus& source, const std::string& format, DeclarationWriter& writer) {
-  if (format != "joint_table" && format != "ntu_skeleton") return;  // motions keep their own
+void WriteFittedSkeleton(const Proposal& proposal, DeclarationWriter& writer) {
+  if (proposal.driver.gives != EvidenceKind::kJointTracks || proposal.driver.gathered()) return;
+  const ClipConsensus& source = proposal.source;
   const Vote<std::string> order = source.Ask(&InspectedClip::skeleton);
   if (!order.value) return;
   const std::string known = *order.value;
@@ -228,62 +206,8 @@ void WriteFittedSkeleton(const ClipConsensus& source, const std::string& format,
   writer.Line("skeleton: " + (fitted.empty() ? known : fitted));
 }
 
-void WriteTable(const ClipConsensus& source, DeclarationWriter& writer) {
-  const auto fact = [&](const char* key) { return UsualFact(source, key).first; };
-  for (const char* option : {"layout", "columns"}) {
-    const auto [text, clip] = UsualFact(source, option);
-    if (clip == nullptr) continue;
-    const bool layout = option == std::string("layout");
-    const std::size_t open = text.find(kFillIn), z = text.find('z');
-    const bool behind = open != std::string::npos && z != std::string::npos && open > z;
-    writer.Measured(option, layout ? YamlQuoted(text) : "[" + text + "]", clip->frames.evidence,
-                    open == std::string::npos ? ""
-                    : behind                  ? "`confidence` or `skip`: nothing says what stands behind x, y, z"
-                             : "`frame` where the column counts frames, or its unit where it is a clock: "
-                               "time_s, time_ms, time_us, time_100ns, time_ns; the findings have its steps");
-    if (!behind) break;
-    const auto unsure = std::find_if(source.clips().begin(), source.clips().end(),
-                                     [](const InspectedClip* one) { return !one->missing_share.value; });
-    if (unsure != source.clips().end()) {
-      writer.Comment(
-          "least_confidence: 0.1 takes joints of confidence 0 as seen, but doubted; without it they are not seen. " +
-          (*unsure)->missing_share.evidence);
-    }
-    break;
-  }
-  if (!fact("end_word").empty()) writer.Value("end_word", fact("end_word"), "measured: the last line of some files");
-  double missing = 0.0;
-  for (const std::string& share : source.Facts("at_origin")) {
-    missing = std::max(missing, ParseDouble(share).value_or(0.0));
-  }
-  if (missing > 0.0) {
-    writer.Value("missing", "zero",
-                 "measured: up to " + TwoDecimals(100.0 * missing) + " % of a clip's joints are at the origin");
-  }
-}
-
-/// BABEL's files of the folder, and how many of the motions they speak of.
-void WriteAnnotations(const ClipConsensus& source, const Inspection& inspection, const std::filesystem::path& folder,
-                      DeclarationWriter& writer) {
-  std::vector<std::string> files;
-  std::string list;
-  for (const RawCompanion& companion : inspection.companions) {
-    if (companion.format != "babel") continue;
-    files.push_back(companion.file);
-    list += (list.empty() ? "" : ", ") + YamlQuoted(files.back());
-  }
-  if (files.empty()) return writer.Comment("annotations: no file of BABEL's lies in the folder, clips have no labels");
-  Expected<BabelIndex> babel = BabelIndex::Read(folder, files);
-  if (!babel) return writer.Comment("annotations: not written, " + babel.error().Message());
-  const auto spoken_of = [&](const InspectedClip* clip) { return babel->Find(clip->file) != nullptr; };
-  const auto joined = std::count_if(source.clips().begin(), source.clips().end(), spoken_of);
-  writer.Value("annotations", "[" + list + "]",
-               "BABEL's, joined by the path in `feat_p`, which names " + std::to_string(joined) + " of the " +
-                   Counted(source.clips().size(), "motion") +
-                   (joined > 0 ? "" : ": keep AMASS's folders as they were"));
-}
-
-std::string FormatToDeclare(const Inspection& inspection) {
+/// The format of most clips that a source can be of; of a folder without such clips that of its images or clouds.
+std::string FormatToDeclare(const Inspection& inspection, bool folder) {
   std::map<std::string, std::size_t> counts;
   for (const InspectedClip& clip : inspection.clips) {
     if (!DeclaredFormat(clip.format).empty()) counts[clip.format] += 1;
@@ -292,7 +216,8 @@ std::string FormatToDeclare(const Inspection& inspection) {
   for (const auto& [format, count] : counts) {
     if (best.empty() || count > counts[best]) best = format;
   }
-  return best;
+  if (!best.empty() || !folder) return best;
+  return IsDepthViews(inspection) ? "depth_views" : inspection.clouds.empty() ? "" : "clouds";
 }
 
 void WriteHead(const std::string& what, DeclarationWriter& writer) {
@@ -309,27 +234,31 @@ void WriteSource(const std::filesystem::path& path, const std::string& name, con
   writer.Value("format", format, "declared by the file");
 }
 
-/// Depth images and point clouds have no clips of their own in an inspection.
-WrittenDeclaration DeclareSurfaces(const Inspection& inspection, const std::filesystem::path& path,
-                                   const std::string& name) {
-  const bool images = IsDepthViews(inspection);
-  WrittenDeclaration written;
-  std::error_code unknown;
-  written.path = std::filesystem::absolute(path, unknown);
-  DeclarationWriter writer(written);
-  const auto count = static_cast<long long>(images ? inspection.cameras.size() : inspection.clouds.size());
-  WriteHead(images ? "depth images of " + Counted(count, "calibrated camera") : Counted(count, "point cloud"), writer);
-  const char* format = images ? "depth_views" : "clouds";
-  WriteMethod(format, writer);
-  WriteSource(written.path, name, format, writer);
-  if (images)
-    WriteDepthViews(inspection, path, writer);
-  else
-    WriteClouds(inspection, writer);
-  return written;
-}
-
 }  // namespace
+
+void WriteSkeleton(const Proposal& proposal, DeclarationWriter& writer) {
+  const FormatDriver& driver = proposal.driver;
+  if (driver.gives == EvidenceKind::kDepthViews)
+    return writer.Value("skeleton", "\"\"", "unknown, and not needed to read images");
+  if (*driver.tree != '\0') return writer.Value("skeleton", driver.tree, "declared by the format");
+  const Vote<std::string> skeleton = proposal.source.Ask(&InspectedClip::skeleton);
+  if (driver.rotations && !driver.needs_skeleton) {
+    const std::string known = SkeletonOfRotations(proposal);
+    return writer.Value(
+        "skeleton", YamlQuoted(known),
+        known.empty() ? "the files' own tree: its joints are those of no known skeleton" : skeleton.comment);
+  }
+  if (!skeleton.value) {
+    writer.Unknown("skeleton", skeleton.comment);
+    writer.UnknownList("joints", "names in the order of the file, \"-\" for what is no joint");
+    return;
+  }
+  if (LoadSkeleton(*skeleton.value))
+    writer.Value("skeleton", YamlQuoted(*skeleton.value), skeleton.comment);
+  else
+    writer.Unknown("skeleton", "the order is " + *skeleton.value + "'s, of which there is no tree");
+  writer.List("joints", JointsOf(proposal.source.ClearestSkeleton()), "in the order of the file, as for the skeleton");
+}
 
 Status ChooseClips(const std::vector<std::string>& names, Inspection& inspection) {
   const std::vector<InspectedClip>& clips = inspection.clips;
@@ -356,13 +285,11 @@ Status ChooseClips(const std::vector<std::string>& names, Inspection& inspection
   return {};
 }
 
-Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::filesystem::path& path,
-                                           const std::string& name) {
-  const std::string observed = FormatToDeclare(inspection);
+Expected<WrittenDeclaration> DeclareSource(const Inspection& inspection, const std::filesystem::path& path,
+                                           const std::string& name, NamesOfClips names) {
   std::error_code unknown;
   const bool folder = std::filesystem::is_directory(path, unknown);
-  const bool surfaces = IsDepthViews(inspection) || !inspection.clouds.empty();
-  if (observed.empty() && folder && surfaces) return DeclareSurfaces(inspection, path, name);
+  const std::string observed = FormatToDeclare(inspection, folder);
   if (observed.empty()) {
     std::string why = "no file holds motion in a format that a source can declare";
     const auto fault = std::find_if(inspection.findings.begin(), inspection.findings.end(),
@@ -370,40 +297,40 @@ Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::fil
     if (fault != inspection.findings.end()) why += ": " + fault->message;
     return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` describes the files");
   }
-  const std::string format = DeclaredFormat(observed);
+  const FormatDriver& driver = DriverOf(DeclaredFormat(observed));
   const ClipConsensus source(inspection, observed);
   WrittenDeclaration written;
-  DeclarationWriter writer(written);
+  DeclarationWriter writer(names, written);
   const std::filesystem::path normal = std::filesystem::absolute(path, unknown).lexically_normal();
-  const std::filesystem::path whole = normal.filename().empty() ? normal.parent_path() : normal;
-  const std::filesystem::path asked = folder ? whole : whole.parent_path();
-  const bool gathered = DriverOf(format).gathered();
-  const SourceRoot root = format == "openpose"  ? RootOfCameras(asked, inspection)
-                          : format == "asf_amc" ? RootOfSkeletons(source, asked)
-                                                : SourceRoot{asked, ""};
-  written.path = folder ? root.folder : whole;
-  WriteHead(Counted(static_cast<long long>(source.clips().size()), "clip") + " of format " + observed, writer);
-  for (const auto& [what, count] : source.others()) {
-    written.others.push_back(Counted(static_cast<long long>(count), "clip") + " of format " + what);
+  const std::filesystem::path asked = normal.filename().empty() ? normal.parent_path() : normal;
+  const Proposal proposal{source, inspection, driver, asked, folder ? asked : asked.parent_path()};
+  WriteHead(!source.clips().empty() ? Counted(source.clips().size(), "clip") + " of format " + observed
+            : driver.gives == EvidenceKind::kPointClouds
+                ? Counted(inspection.clouds.size(), "point cloud")
+                : "depth images of " + Counted(inspection.cameras.size(), "calibrated camera"),
+            writer);
+  for (const auto& [what, others] : source.others()) {
+    written.others.push_back(Counted(static_cast<long long>(others), "clip") + " of format " + what);
     writer.Line("# Not of this source: " + written.others.back() + ".");
   }
-  WriteFittedSkeleton(source, format, writer);
-  WriteRecordedRotations(source, format, writer);
-  WriteMethod(format, writer);
-  WriteSource(written.path, name, format, writer);
-  if (gathered) {
-    WriteGathered(source, inspection, asked, root.prefix, format, writer);
+  WriteFittedSkeleton(proposal, writer);
+  WriteRecordedRotations(proposal, writer);
+  WriteMethod(driver.gives, writer);
+  WriteSource(asked, name, driver.name, writer);
+  if (driver.propose != nullptr) {
+    driver.propose(proposal, writer);
   } else {
-    WriteNames(source, format, whole, root, writer);
+    WriteFiles(proposal, writer);
+    WritePersonAndLabel(false, writer);
   }
   writer.Value("other_files", "ignore", "a choice: `error` refuses files that the pattern does not match");
   writer.Value("licence", "\"\"", "unknown: no file declares it");
-  if (format != "openpose") WriteUnits(source, format, writer);
-  if (format != "openpose") WriteAxes(source, writer);
-  WriteRate(source, format, writer);
-  if (!gathered) WriteSkeleton(source, format, writer);
-  if (format == "joint_table") WriteTable(source, writer);
-  if (format == "amass" && folder) WriteAnnotations(source, inspection, root.folder, writer);
+  if (!driver.gathered()) {
+    WriteUnits(proposal, writer);
+    WriteAxes(proposal, writer);
+    WriteRate(proposal, writer);
+    WriteSkeleton(proposal, writer);
+  }
   std::map<std::string, std::pair<std::size_t, std::string>> findings;
   for (const Finding& finding : inspection.findings) {
     if (finding.severity == Severity::kInfo) continue;

@@ -17,17 +17,19 @@ inline constexpr const char* kUnknownPerson = "unknown";
 /// them.
 struct WrittenDeclaration {
   std::string yaml;
-  std::filesystem::path path;  ///< ingest.path: what was asked about, or the folder above that holds what belongs to it
   std::vector<std::string> others;   ///< clips that are not of this source: "3 clips of format npz of 19 joints"
   std::vector<std::string> unknown;  ///< options that CheckSource refuses until they are filled in: "units", "rate"
 };
 
+/// Who performs what, where the format does not declare it: to be filled in, or no one's (kUnknownPerson, no label)
+/// where clips are looked at once.
+enum class NamesOfClips { kToFillIn, kNone };
+
 /// From what InspectPath said of `path` without a source: of the clips, those of the most frequent format and count of
-/// joints; the others are named in a comment. Skeletons of motions and cameras are looked for one folder above as well.
-/// Where there are no clips but depth images of calibrated cameras, of these. `name`: of the source. Error kUnsupported
-/// where no clip is of a format that a source can be.
-Expected<WrittenDeclaration> DeclareSource(Inspection inspection, const std::filesystem::path& path,
-                                           const std::string& name);
+/// joints; the others are named in a comment. Where there are no clips but depth images of calibrated cameras, of
+/// these. `name`: of the source. Error kUnsupported where no clip is of a format that a source can be.
+Expected<WrittenDeclaration> DeclareSource(const Inspection& inspection, const std::filesystem::path& path,
+                                           const std::string& name, NamesOfClips names = NamesOfClips::kToFillIn);
 
 /// Keeps the clips that any of the names chooses (ingest/chosen_clips.h); all without names. Error kUsage of the first
 /// name that chooses none.

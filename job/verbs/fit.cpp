@@ -145,7 +145,6 @@ nlohmann::json AnswerOf(const JobResult& result, const std::filesystem::path& ou
 struct Declared {
   ConfigSource config;
   std::vector<std::string> unknown;  ///< options of ingest.source
-  fs::path path;                     ///< folder of the files, if not the given path: the folder above
 };
 
 bool IsAssigned(const FitArguments& arguments, const std::string& option) {
@@ -158,17 +157,17 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
   if (!arguments.source.empty()) {
     const Expected<ConfigSource> source = SourceOf(arguments.source);
     if (!source) return Forward(source);
-    return Declared{*source, {}, {}};
+    return Declared{*source, {}};
   }
   if (const auto beside = DeclarationBeside(arguments.path)) {
     const Expected<ConfigSource> source = SourceOf(beside->string());
     if (!source) return Forward(source);
-    return Declared{*source, {}, {}};
+    return Declared{*source, {}};
   }
-  if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}, {}};
+  if (IsMotionStore(arguments.path)) return Declared{MotionStoreConfig(arguments.path), {}};
   Inspection inspection = InspectPath(arguments.path, std::nullopt);
   if (Status known = ChooseClips(arguments.clips, inspection); !known) return Forward(known);
-  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit");
+  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, "fit", NamesOfClips::kNone);
   if (!written) return Forward(written);
   for (const std::string& other : written->others) {
     findings.push_back(MakeFinding(
@@ -176,7 +175,7 @@ Expected<Declared> Declare(const FitArguments& arguments, std::vector<Finding>& 
         DisplayPath(arguments.path) + ": " + other + " belong to other sources and are skipped; choose one with --clip",
         FindingAction::kExcluded));
   }
-  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown, written->path};
+  return Declared{{written->yaml, "what the files show", fs::current_path()}, written->unknown};
 }
 
 /// Every unknown option must be declared on the command line.
@@ -274,9 +273,9 @@ Expected<JobOptions> FitOptionsOf(const FitArguments& arguments, const ConfigRul
   if (!job) return Forward(job);
   JobOptions options = std::move(job->options);
   // Not through YAML, as a path may contain any bytes.
-  options.ingest.path = declared->path.empty() || fs::is_regular_file(path, unknown) ? path : declared->path;
+  options.ingest.path = path;
   std::optional<std::string> unnamed;
-  if (!IsMotionStore(path)) unnamed = RelaxFilePattern(IsAssigned(arguments, "ingest.source.files"), options.ingest);
+  if (!IsMotionStore(path)) unnamed = RelaxFilePattern(options.ingest);
   if (unnamed) LogInfo(*unnamed);
   auto mirrored = IsMotionStore(path) ? std::nullopt : FindMirror(arguments, options.ingest.source);
   if (mirrored) findings.push_back(*std::move(mirrored));

@@ -10,34 +10,28 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(EstimatedFileNames, TakeTheFieldFromLettersBeforeNumbers) {
+TEST(EstimatedFileNames, NumberThePartsThatDiffer) {
   const std::vector<std::string> names = {"a01_s01_e01_realworld.txt", "a02_s01_e02_realworld.txt",
                                           "a01_s03_e01_realworld.txt"};
-  const NamePatternEstimate guessed = EstimateNamePattern(names);
-  EXPECT_EQ(guessed.pattern, "a{action}_s{person}_e{repetition}_realworld.txt");
-  EXPECT_THAT(guessed.fields, ElementsAre("action", "person", "repetition"));
-  const auto pattern = NamePattern::Parse(guessed.pattern, "test");
+  const NamePatternEstimate estimate = EstimateNamePattern(names);
+  EXPECT_EQ(estimate.pattern, "a{part1}_s{part2}_e{part3}_realworld.txt");
+  EXPECT_THAT(estimate.fields, ElementsAre("part1", "part2", "part3"));
+  const auto pattern = NamePattern::Parse(estimate.pattern, "test");
   for (const std::string& name : names) EXPECT_TRUE(pattern->Match(name)) << name;
-}
-
-TEST(EstimatedFileNames, TakeRepeatedWordsAsActionAndStyle) {
   EXPECT_EQ(EstimateNamePattern({"dataset-2_walk_normal_001.bvh", "dataset-2_run_active_001.bvh",
                                  "dataset-2_walk_active_002.bvh", "dataset-2_run_normal_002.bvh"})
                 .pattern,
-            "dataset-2_{action}_{style}_{repetition}.bvh");
-  EXPECT_EQ(EstimateNamePattern({"walk_s1.txt", "walk_s2.txt", "sit_s2.txt"}).pattern, "{action}_s{person}.txt");
-}
-
-TEST(EstimatedFileNames, TakeUniqueNamesAsClips) {
-  EXPECT_EQ(EstimateNamePattern({"0512164529.txt", "0512165327.txt"}).pattern, "{repetition}.txt");
-  EXPECT_EQ(EstimateNamePattern({"walk.bvh", "jump.bvh"}).pattern, "{clip}.bvh");
-  EXPECT_EQ(EstimateNamePattern({"one.bvh"}).pattern, "{clip}.bvh");
+            "dataset-2_{part1}_{part2}_{part3}.bvh");
+  EXPECT_EQ(EstimateNamePattern({"walk_s1.txt", "walk_s2.txt", "sit_s2.txt"}).pattern, "{part1}_s{part2}.txt");
+  EXPECT_EQ(EstimateNamePattern({"0512164529.txt", "0512165327.txt"}).pattern, "{part1}.txt");
+  EXPECT_EQ(EstimateNamePattern({"walk.bvh", "jump.bvh"}).pattern, "{part1}.bvh");
 }
 
 TEST(EstimatedFileNames, TakeWholeNamesWithoutACommonForm) {
-  const NamePatternEstimate guessed = EstimateNamePattern({"day/walk_01.bvh", "day/jump.bvh"});
-  EXPECT_EQ(guessed.pattern, "{folder1}/{clip}.bvh");
-  EXPECT_FALSE(guessed.common);
+  EXPECT_EQ(EstimateNamePattern({"one.bvh"}).pattern, "{part1}.bvh");
+  const NamePatternEstimate estimate = EstimateNamePattern({"day/walk_01.bvh", "day/jump.bvh"});
+  EXPECT_EQ(estimate.pattern, "{part1}/{part2}.bvh");
+  EXPECT_FALSE(estimate.common);
 }
 
 TEST(EstimatedFileNames, FitTheirPatternInOneWay) {
@@ -57,7 +51,7 @@ TEST(EstimatedFileNames, FindTheSkeletonFileByThePrefixOfItsMotions) {
   const std::vector<std::string> names = {"01/HDM_bd_jog_001_120.amc", "02/HDM_mm_jog_002_120.amc",
                                           "02/HDM_bd_kick_001_120.amc"};
   const NamePatternEstimate guessed = EstimateNamePattern(names);
-  EXPECT_EQ(EstimateCompanionPattern(guessed, names, {"HDM_bd.asf", "", "HDM_bd.asf"}), "HDM_{action}.asf");
+  EXPECT_EQ(EstimateCompanionPattern(guessed, names, {"HDM_bd.asf", "", "HDM_bd.asf"}), "HDM_{part2}.asf");
   EXPECT_EQ(EstimateCompanionPattern(guessed, names, {"HDM_bd.asf", "HDM_xx.asf", ""}), std::nullopt);
   EXPECT_EQ(EstimateCompanionPattern(guessed, names, {"", "", ""}), std::nullopt);
 }

@@ -175,7 +175,7 @@ TEST(CloudSource, IsInspectedWithAndWithoutADeclaration) {
   EXPECT_THAT(draft->yaml, HasSubstr("files: \"{recording}/scan_{frame}.ply\""));
   EXPECT_THAT(draft->yaml, HasSubstr("units: mm"));
   EXPECT_THAT(draft->yaml, HasSubstr("fitting: {method: point_clouds}"));
-  EXPECT_THAT(draft->unknown, ElementsAre("axes", "rate"));
+  EXPECT_THAT(draft->unknown, ElementsAre("person", "label", "axes", "rate"));
 }
 
 TEST(CloudSource, DistinguishesClipsOfOneFolderByRecording) {
