@@ -37,6 +37,8 @@ void AddExport(const CommandLine& line) {
     help += " " + std::string(name.name) + (name.value == RotationArrays::kNone ? "" : ",");
   }
   verb_export->add_option("--as", arguments->rotations, help)->check(CLI::IsMember(names))->type_name("REPRESENTATION");
+  AddRepeated(verb_export, "--tolerate", arguments->tolerate,
+              "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
   verb_export->add_option("--source", arguments->source, "source declaration, for files without one of their own");
   AddRepeated(verb_export, "--clip", arguments->clips,
               "clip to export, by its id or what stands behind a / in it (default: all)");
@@ -149,6 +151,8 @@ void AddDraw(const CommandLine& line) {
       ->capture_default_str();
   draw->add_option("--body", arguments->body,
                    "SMPL_NEUTRAL.pkl or body_cc0.h5 for --figure skin (default: below MOCURATE_WEIGHTS)");
+  AddRepeated(draw, "--tolerate", arguments->tolerate,
+              "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
   draw->add_option("--source", arguments->source, "source declaration, for files without one of their own");
   draw->add_option("--title", arguments->title, "title above the picture");
   draw->add_option("--scale", arguments->scale, "pixels of a PNG or video per unit of the drawing")
@@ -219,6 +223,8 @@ void AddEval(const CommandLine& line) {
   eval->add_option(
       "--bone-lengths", arguments->bone_lengths,
       "motions as positions, whose median bone lengths are used for Lie parameters (implies --values lie)");
+  AddRepeated(eval, "--tolerate", arguments->tolerate,
+              "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
   eval->add_option("--source", arguments->source,
                    "source declaration of the generated motions: a name of configs/sources, or a YAML file (default: "
                    "bare arrays have the extractor's frame, other files their own)");

@@ -4,14 +4,9 @@
 #include <filesystem>
 
 #include "core/base/text.h"
+#include "ingest/item_facts.h"
 
 namespace mocurate {
-std::string PlaceInFile(const ItemSpec& item) {
-  if (item.options.contains("array")) return item.options.at("array").get<std::string>();
-  if (item.options.contains("entry")) return "[" + std::to_string(item.options.at("entry").get<int>()) + "]";
-  return "";
-}
-
 std::string RecordingOf(const ItemSpec& item) { return item.item.substr(item.item.rfind('/') + 1); }
 
 bool NamesClip(const std::string& wanted, const std::string& file, const std::string& place) {
@@ -26,8 +21,9 @@ bool NamesClip(const std::string& wanted, const std::string& file, const std::st
 bool NamesClip(const std::string& wanted, const ItemSpec& item) {
   if (wanted == item.item || wanted == RecordingOf(item)) return true;
   if (wanted.compare(0, item.item.size() + 1, item.item + "#") == 0) return true;  // a clip id, with its frames
-  if (wanted == item.options.value("entry_name", std::string())) return true;
-  const std::string place = PlaceInFile(item);
+  const ItemFacts facts = FactsOf(item);
+  if (wanted == facts.entry_name) return true;
+  const std::string place = facts.Place();
   return std::any_of(item.inputs.begin(), item.inputs.end(), [&](const StageInput& input) {
     return input.role == "source" && NamesClip(wanted, input.name, place);
   });

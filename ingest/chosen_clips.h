@@ -7,9 +7,6 @@
 
 namespace mocurate {
 
-/// Where a clip stands in a file of several: "[3]", "[walk][3]"; empty: it is the file.
-std::string PlaceInFile(const ItemSpec& item);
-
 /// The last part of an item's name.
 std::string RecordingOf(const ItemSpec& item);
 

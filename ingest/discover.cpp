@@ -8,6 +8,7 @@
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
+#include "ingest/item_facts.h"
 #include "ingest/known_issues.h"
 #include "ingest/skipped_files.h"
 #include "ingest/sources/array_clips.h"
@@ -16,72 +17,6 @@
 
 namespace mocurate {
 namespace {
-
-/// The clips of a file that holds them all: one item each, which says its place in the file; in the order of the file.
-/// Error kNotFound, and of the container.
-Expected<Discovery> DiscoverContainer(const IngestOptions& options) {
-  const SourceOptions& source = options.source;
-  const FormatDriver& driver = DriverOf(source.format);
-  const std::filesystem::path path = options.path / source.container;
-  std::error_code unknown;
-  if (!std::filesystem::is_regular_file(path, unknown)) {
-    return Fail(ErrorCode::kNotFound, "the file with all clips does not exist", DisplayPath(path),
-                "set ingest.path (--set ingest.path=DIR), or correct ingest.source.container");
-  }
-  const Expected<std::vector<ContainerEntry>> entries = driver.entries(source, options.path);
-  if (!entries) return Forward(entries);
-  const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
-  if (!pattern) return Forward(pattern);
-  Discovery discovery;
-  std::set<std::string> recordings;
-  const ItemOptions stage_options = OptionsToJson(source);
-  for (std::size_t i = 0; i < entries->size(); ++i) {
-    const ContainerEntry& entry = (*entries)[i];
-    const Expected<NamedFile> named = ReadName(source, entry.name);
-    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
-    const std::optional<Error> ambiguous = AmbiguousName(source, *pattern, entry.name);
-    if (!named || ambiguous) {
-      discovery.excluded.push_back(ambiguous ? RefusedFile(entry.name, kNameAmbiguous, *ambiguous)
-                                             : SkippedFile(entry.name, source, true, named.error()));
-      continue;
-    }
-    recordings.insert(named->identity.recording);
-    if (!entry.excluded.empty()) {
-      discovery.excluded.push_back(
-          ExcludedFile(named->item(), entry.name, "excluded", entry.excluded, "as the set's papers do"));
-      continue;
-    }
-    if (const auto excluded = source.exclude.find(named->identity.recording); excluded != source.exclude.end()) {
-      discovery.excluded.push_back(
-          ExcludedFile(named->item(), entry.name, "excluded", excluded->second, "ingest.source.exclude names it"));
-      continue;
-    }
-    // Clips of a dataset keep their ids: several may be spans of one recording.
-    const std::string name = driver.stored ? entry.name : named->item();
-    ItemSpec item{name, stage_options, {{"source", source.container, path, ""}}};
-    item.options.Set("entry", i);
-    item.options.Set("entry_name", entry.name);
-    if (entry.frames > 0) item.options.Set("most_frames", entry.frames);
-    if (!entry.label.empty()) {
-      const Expected<std::string> label = LabelOf(source, entry.label, entry.name);
-      if (!label) {
-        discovery.excluded.push_back(SkippedFile(entry.name, source, true, label.error()));
-        continue;
-      }
-      item.options.Set("label_override", *label);
-    }
-    discovery.persons.insert(named->identity.person);
-    discovery.performers.insert(named->performer);
-    if (!driver.stored) discovery.styles.insert(named->style);  // a stored clip has its own
-    discovery.items.push_back(std::move(item));
-  }
-  if (discovery.items.empty()) {
-    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source.files + "'",
-                DisplayPath(path), "correct ingest.source.files");
-  }
-  NoteUnmatched(source, recordings, discovery.findings);
-  return discovery;
-}
 
 /// Every {field} that names a clip must be one of the pattern: a misspelt one would put all people under one name. The
 /// default texts of a declaration may become empty.
@@ -108,19 +43,6 @@ Status CheckFields(const SourceOptions& source, const NamePattern& pattern) {
     }
   }
   return {};
-}
-
-std::string TextOf(const KnownIssue& issue) { return issue.kind + ": " + issue.note + " (" + issue.source + ")"; }
-
-/// The .asf of a motion.
-Status AddSkeletonFile(const std::vector<FolderFile>& files, const std::string& name, ItemSpec& item) {
-  for (const FolderFile& file : files) {
-    if (file.name != name) continue;
-    item.inputs.push_back({"skeleton_file", file.name, file.path, ""});
-    return {};
-  }
-  return Fail(ErrorCode::kNotFound, "its skeleton file '" + name + "' is not in the folder", item.inputs[0].name,
-              "put it there, or correct ingest.source.skeleton_files");
 }
 
 /// ingest.source.label_table: motion -> label text. A header and lines "motion,label", or, as in CMU's index of its
@@ -156,23 +78,10 @@ Expected<std::map<std::string, std::string>> ReadLabelTable(const IngestOptions&
   return table;
 }
 
+std::string TextOf(const KnownIssue& issue) { return issue.kind + ": " + issue.note + " (" + issue.source + ")"; }
+
 /// The file's name without folders and ending.
 std::string StemOf(const std::string& name) { return std::filesystem::path(name).stem().string(); }
-
-/// The item of one of several people in a file.
-ItemSpec OfBody(ItemSpec item, const SourceOptions& source, const std::string& name, int body) {
-  if (const Expected<NamedFile> named = ReadName(source, name, body)) item.item = named->item();
-  item.options.Set("body", body);
-  return item;
-}
-
-std::optional<Error> FirstAmbiguous(const SourceOptions& source, const NamePattern& pattern,
-                                    const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    if (auto ambiguous = AmbiguousName(source, pattern, name)) return ambiguous;
-  }
-  return std::nullopt;
-}
 
 /// Whether a folder lies in one that is named like the recording of a clip: what is there are parts of it.
 bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items) {
@@ -183,38 +92,299 @@ bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items
                      [&](std::string_view part) { return recordings.count(std::string(part)) != 0; });
 }
 
-/// The clips of a file of arrays, an item each; the item itself where the file is the clip, or no such file.
-std::vector<ItemSpec> OfArrays(const ItemSpec& item, const SourceOptions& source, const FolderFile& file,
-                               std::vector<ItemResult>& excluded) {
-  if (!DriverOf(source.format).holds_clips) return {item};
-  const std::vector<ArrayClip> clips = ArrayClipsOf(file.path, file.name);
-  if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) return {item};
-  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source);
-  const std::size_t own = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
-  const std::size_t wanted = source.joints.empty() ? own : source.joints.size();
-  std::vector<ItemSpec> items;
-  for (const ArrayClip& clip : clips) {
-    ItemSpec one = item;
-    one.item += RecordingSuffix(clip.id);
-    one.options.Set("array", clip.id);
-    if (!clip.label.empty() && !one.options.contains("label_override")) {
-      const Expected<std::string> label = LabelOf(source, clip.label, file.name + clip.id);
-      if (!label) {
-        excluded.push_back(SkippedFile(file.name + clip.id, source, true, label.error()));
-        continue;
-      }
-      one.options.Set("label_override", *label);
-    }
-    if (clip.joints == wanted) {
-      items.push_back(std::move(one));
+/// Makes items of names: of the files of a folder, or of the clips in one file.
+class ClipFinder {
+ public:
+  ClipFinder(const IngestOptions& options, const NamePattern& pattern)
+      : options_(options),
+        source_(options.source),
+        driver_(DriverOf(options.source.format)),
+        pattern_(pattern),
+        declared_(OptionsToJson(options.source)) {}
+
+  /// The clips of a file that holds them all. Error kNotFound, and of the container.
+  Status InContainer();
+  /// The clips below a folder; with `only` of those files alone. Errors of the folder and of what the declaration
+  /// names.
+  Status InFolder(const std::optional<std::set<std::string>>& only);
+  Discovery discovery;
+
+ private:
+  void Exclude(const std::filesystem::path& file, ItemResult result);
+  std::optional<NamedFile> Name(const std::string& name, bool matches, const std::filesystem::path& file,
+                                Status& broken);
+  bool SetLabel(const std::string& text, const std::string& name, const std::filesystem::path& file, ItemFacts& facts);
+  Status TakeFile(const FolderFile& file);
+  bool AddCompanions(const FolderFile& file, const NamedFile& named, ItemSpec& item);
+  void AddClips(const FolderFile& file, const NamedFile& named, ItemFacts facts, const ItemSpec& item);
+  void AddFoldersBelow();
+
+  const IngestOptions& options_;
+  const SourceOptions& source_;
+  const FormatDriver& driver_;
+  const NamePattern& pattern_;
+  const ItemOptions declared_;
+  KnownIssues known_issues_;
+  std::set<std::string> recordings_;
+  // Of a folder.
+  std::vector<FolderFile> files_;
+  NamePattern depth_pattern_, skeleton_pattern_;
+  std::map<std::string, std::string> table_;
+  std::optional<BabelIndex> babel_;
+  GroupedFiles gathered_;
+  std::optional<DepthFiles> depth_files_;
+  std::map<std::string, std::size_t> elsewhere_;  ///< files that lie where the pattern does not look, by folder
+  std::vector<std::string> passed_over_;
+};
+
+void ClipFinder::Exclude(const std::filesystem::path& file, ItemResult result) {
+  if (IsFailure(result.outcome.kind) && !file.empty()) AddSourceHash(file, result);
+  discovery.excluded.push_back(std::move(result));
+}
+
+/// What a name says of its clip; nothing where it is excluded, which is reported. `matches`: the pattern.
+std::optional<NamedFile> ClipFinder::Name(const std::string& name, bool matches, const std::filesystem::path& file,
+                                          Status& broken) {
+  Expected<NamedFile> named = ReadName(source_, name);
+  if (!named && named.error().code == ErrorCode::kConfig) {
+    broken = Forward(named);
+    return std::nullopt;
+  }
+  std::optional<Error> ambiguous;
+  for (const std::string& own : gathered_.NamesOf(name)) {
+    if (!ambiguous) ambiguous = AmbiguousName(source_, pattern_, own);
+  }
+  const auto refuse = [&] { Exclude(file, RefusedFile(name, kNameAmbiguous, *ambiguous)); };
+  if (!named) {
+    recordings_.insert(StemOf(name));  // excluded anyway
+    ambiguous ? refuse() : Exclude(file, SkippedFile(name, source_, matches, named.error()));
+    return std::nullopt;
+  }
+  const std::string recording = source_.views.multi_view ? StemOf(name) : named->identity.recording;
+  recordings_.insert(recording);
+  if (const auto excluded = source_.exclude.find(recording); excluded != source_.exclude.end()) {
+    Exclude(file, ExcludedFile(named->item(), name, "excluded", excluded->second, "ingest.source.exclude names it"));
+    return std::nullopt;
+  }
+  if (const auto issue = known_issues_.Find(recording); issue && source_.known_issues == KnownIssueAction::kDrop) {
+    Exclude(file, ExcludedFile(named->item(), name, "known_issue", TextOf(*issue),
+                               "ingest.source.known_issues: report keeps such clips"));
+    return std::nullopt;
+  }
+  if (!ambiguous) return *std::move(named);
+  refuse();
+  return std::nullopt;
+}
+
+/// False where the text is of no label, which is reported.
+bool ClipFinder::SetLabel(const std::string& text, const std::string& name, const std::filesystem::path& file,
+                          ItemFacts& facts) {
+  Expected<std::string> label = LabelOf(source_, text, name);
+  if (label)
+    facts.label = *std::move(label);
+  else
+    Exclude(file, SkippedFile(name, source_, true, label.error()));
+  return label.has_value();
+}
+
+Status ClipFinder::InContainer() {
+  const std::filesystem::path path = options_.path / source_.container;
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(path, unknown)) {
+    return Fail(ErrorCode::kNotFound, "the file with all clips does not exist", DisplayPath(path),
+                "set ingest.path (--set ingest.path=DIR), or correct ingest.source.container");
+  }
+  const Expected<std::vector<ContainerEntry>> entries = driver_.entries(source_, options_.path);
+  if (!entries) return Forward(entries);
+  for (std::size_t i = 0; i < entries->size(); ++i) {
+    const ContainerEntry& entry = (*entries)[i];
+    Status broken;
+    const std::optional<NamedFile> named = Name(entry.name, true, {}, broken);
+    if (!broken) return broken;
+    if (!named) continue;
+    if (!entry.excluded.empty()) {
+      Exclude({}, ExcludedFile(named->item(), entry.name, "excluded", entry.excluded, "as the set's papers do"));
       continue;
     }
-    excluded.push_back(ExcludedFile(
-        one.item, file.name + clip.id, kOtherJoints,
-        "it has " + std::to_string(clip.joints) + " joints, those of the source have " + std::to_string(wanted),
-        "declare it as a source of its own"));
+    ItemFacts facts;
+    facts.entry = static_cast<std::int64_t>(i);
+    facts.entry_name = entry.name;
+    facts.most_frames = entry.frames;
+    if (!entry.label.empty() && !SetLabel(entry.label, entry.name, {}, facts)) continue;
+    discovery.persons.insert(named->identity.person);
+    discovery.performers.insert(named->performer);
+    if (!driver_.stored) discovery.styles.insert(named->style);  // a stored clip has its own
+    // Clips of a dataset keep their ids: several may be spans of one recording.
+    ItemSpec item{driver_.stored ? entry.name : named->item(), declared_, {{"source", source_.container, path, ""}}};
+    SetFacts(facts, item);
+    discovery.items.push_back(std::move(item));
   }
-  return items;
+  if (discovery.items.empty()) {
+    return Fail(ErrorCode::kNotFound, "no clip of the file matches the pattern '" + source_.files + "'",
+                DisplayPath(path), "correct ingest.source.files");
+  }
+  NoteUnmatched(source_, recordings_, discovery.findings);
+  return {};
+}
+
+/// Calibrations, frames, skeleton and depth images of a file; false where one is missing, which is reported.
+bool ClipFinder::AddCompanions(const FolderFile& file, const NamedFile& named, ItemSpec& item) {
+  if (Status added = gathered_.AddInputs(file.name, named.fields, item); !added) {
+    const char* code = added.error().code == ErrorCode::kNotFound ? "calibration_missing" : "unreadable_file";
+    Exclude(file.path, RefusedFile(item.item, code, added.error()));
+    return false;
+  }
+  if (!source_.skeleton_files.empty()) {
+    const std::string name = FillFields(source_.skeleton_files, named.fields);
+    const auto skeleton =
+        std::find_if(files_.begin(), files_.end(), [&](const FolderFile& other) { return other.name == name; });
+    if (skeleton == files_.end()) {
+      Exclude(file.path, RefusedFile(item.item, "skeleton_file_missing",
+                                     {ErrorCode::kNotFound, "its skeleton file '" + name + "' is not in the folder",
+                                      file.name, "put it there, or correct ingest.source.skeleton_files"}));
+      return false;
+    }
+    item.inputs.push_back({"skeleton_file", skeleton->name, skeleton->path, ""});
+  }
+  if (driver_.has_truth) {
+    discovery.truth.push_back(item);
+  }
+  if (depth_files_) depth_files_->AddTo(named.fields, item);
+  return true;
+}
+
+/// An item for each person of the file, and for each clip of a file of arrays.
+void ClipFinder::AddClips(const FolderFile& file, const NamedFile& named, ItemFacts facts, const ItemSpec& item) {
+  std::vector<ArrayClip> clips;
+  if (driver_.holds_clips) clips = ArrayClipsOf(file.path, file.name);
+  if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) clips = {ArrayClip()};
+  const bool whole = clips.size() == 1 && clips[0].id.empty();
+  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source_);
+  const std::size_t own = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
+  const std::size_t wanted = source_.joints.empty() ? own : source_.joints.size();
+  for (int body = 1; body <= named.bodies; ++body) {
+    const Expected<NamedFile> person = ReadName(source_, file.name, body);
+    discovery.persons.insert(person ? person->identity.person : named.identity.person);
+    if (named.bodies > 1) facts.body = body;
+    for (const ArrayClip& clip : clips) {
+      ItemSpec one = item;
+      if (named.bodies > 1 && person) one.item = person->item();
+      one.item += RecordingSuffix(clip.id);
+      ItemFacts of_clip = facts;
+      of_clip.array = clip.id;
+      if (!clip.label.empty() && facts.label.empty() && !SetLabel(clip.label, file.name + clip.id, {}, of_clip))
+        continue;
+      if (!whole && clip.joints != wanted) {
+        Exclude({}, ExcludedFile(one.item, file.name + clip.id, kOtherJoints,
+                                 "it has " + std::to_string(clip.joints) + " joints, those of the source have " +
+                                     std::to_string(wanted),
+                                 "declare it as a source of its own"));
+        continue;
+      }
+      SetFacts(of_clip, one);
+      discovery.items.push_back(std::move(one));
+    }
+  }
+}
+
+Status ClipFinder::TakeFile(const FolderFile& file) {
+  const bool companion = (depth_files_ && depth_pattern_.Match(file.name)) || gathered_.BelongsToOtherClip(file.name) ||
+                         (!source_.skeleton_files.empty() && skeleton_pattern_.Match(file.name)) ||
+                         std::count(source_.annotations.begin(), source_.annotations.end(), file.name) > 0 ||
+                         file.name == source_.label_table;
+  if (companion) return {};
+  const bool matches = pattern_.Match(file.name).has_value();
+  if (!matches && source_.other_files == OtherFiles::kIgnore) {
+    if (EndsAsMotion(source_, file.name)) passed_over_.push_back(file.name);
+    return {};
+  }
+  const int depth = DepthOf(file.name);
+  if (!matches && (depth < pattern_.least_depth() || depth > pattern_.depth())) {
+    ++elsewhere_[depth == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
+    return {};
+  }
+  Status broken;
+  const std::optional<NamedFile> named = Name(file.name, matches, file.path, broken);
+  if (!named) return broken;
+  if (!file.problem.empty() && gathered_.empty()) {
+    const Error why{ErrorCode::kUnreadable, file.problem, file.name, "correct or remove it"};
+    Exclude(file.path, RefusedFile(named->item(), "unreadable_file", why));
+    return {};
+  }
+  ItemFacts facts;
+  if (!source_.label_table.empty()) {
+    const auto row = table_.find(StemOf(file.name));
+    if (row == table_.end()) {
+      Exclude(file.path, SkippedFile(file.name, source_, true,
+                                     {ErrorCode::kInconsistent, "'" + source_.label_table + "' does not name it",
+                                      file.name, "add a line, or take the file out"}));
+      return {};
+    }
+    if (!SetLabel(row->second, file.name, file.path, facts)) return {};
+    if (facts.label != row->second) facts.label_text = row->second;
+  }
+  if (const auto issue = known_issues_.Find(source_.views.multi_view ? StemOf(file.name) : named->identity.recording);
+      issue && source_.known_issues == KnownIssueAction::kReport)
+    facts.known_issue = TextOf(*issue);
+  if (const IndexedSequence* annotated = babel_->Find(file.name)) {
+    facts.annotation = EncodeBabel({annotated->sequence});
+    const auto role = source_.annotation_roles.find(annotated->file);
+    if (role != source_.annotation_roles.end()) facts.role = role->second;
+  }
+  ItemSpec item{named->item(), declared_, {{"source", file.name, file.path, ""}}};
+  SetFacts(facts, item);
+  if (!AddCompanions(file, *named, item)) return {};
+  discovery.performers.insert(named->performer);
+  discovery.styles.insert(named->style);
+  AddClips(file, *named, facts, item);
+  return {};
+}
+
+/// Folders that the pattern does not look into, or that it takes for files.
+void ClipFinder::AddFoldersBelow() {
+  for (const auto& [folder, count] : elsewhere_) {
+    const bool named_so = pattern_.Match(folder).has_value();
+    const bool defaults = source_.other_files == OtherFiles::kIgnore || count == 0;
+    if (!named_so && (defaults || BelongsToClip(folder, discovery.items))) continue;
+    discovery.excluded.push_back(SkippedFolder(folder, count, named_so, source_));
+  }
+}
+
+Status ClipFinder::InFolder(const std::optional<std::set<std::string>>& only) {
+  Expected<std::map<std::string, std::string>> table = ReadLabelTable(options_);
+  if (!table) return Forward(table);
+  Expected<NamePattern> depth = NamePattern::Parse(source_.depth_files, "ingest.source.depth_files");
+  if (!depth) return Forward(depth);
+  Expected<NamePattern> skeletons = NamePattern::Parse(source_.skeleton_files, "ingest.source.skeleton_files");
+  if (!skeletons) return Forward(skeletons);
+  Expected<FolderListing> listing = ListFiles(
+      options_.path, std::max({pattern_.depth(), depth->depth(), skeletons->depth(), GroupedFiles::Depth(source_)}));
+  if (!listing) return Forward(listing);
+  Expected<KnownIssues> known_issues = KnownIssues::Load(source_.known_issue_lists);
+  if (!known_issues) return Forward(known_issues);
+  if (Status rules = CheckLabelRules(source_); !rules) return rules;
+  Expected<BabelIndex> babel = BabelIndex::Read(options_.path, source_.annotations);
+  if (!babel) return Forward(babel);
+  files_ = std::move(listing->files);
+  Expected<GroupedFiles> gathered = GroupedFiles::Of(source_, pattern_, files_);
+  if (!gathered) return Forward(gathered);
+  table_ = std::move(*table), depth_pattern_ = std::move(*depth), skeleton_pattern_ = std::move(*skeletons);
+  elsewhere_ = std::move(listing->folders_below), known_issues_ = std::move(*known_issues);
+  babel_ = std::move(*babel), gathered_ = std::move(*gathered);
+  if (driver_.has_truth || (source_.views.multi_view && !source_.depth_files.empty()))
+    depth_files_.emplace(files_, depth_pattern_, pattern_);
+  std::vector<std::string> names;
+  for (const FolderFile& file : files_) {
+    if (only && only->count(file.name) == 0) continue;
+    names.push_back(file.name);
+    if (Status taken = TakeFile(file); !taken) return taken;
+  }
+  if (!only) AddFoldersBelow();
+  if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options_, discovery, names));
+  NoteUnmatched(source_, recordings_, discovery.findings);
+  NotePassedOver(source_, passed_over_, discovery.findings);
+  if (!babel_->Unused().empty()) discovery.excluded.push_back(WithoutMotion(*babel_, source_.annotations));
+  return source_.views.multi_view ? GroupViews(source_, discovery.items) : Status();
 }
 
 /// Items that several files or entries would give under one name. Error kConfig.
@@ -226,7 +396,10 @@ Status SortItems(Discovery& discovery) {
     const ItemSpec& a = discovery.items[i - 1];
     const ItemSpec& b = discovery.items[i];
     if (b.item != a.item) continue;
-    const auto name = [](const ItemSpec& item) { return item.options.value("entry_name", item.inputs[0].name); };
+    const auto name = [](const ItemSpec& item) {
+      const std::string entry = FactsOf(item).entry_name;
+      return entry.empty() ? item.inputs[0].name : entry;
+    };
     return Fail(ErrorCode::kConfig, "'" + name(a) + "' and '" + name(b) + "' are both '" + b.item + "'",
                 "ingest.source.recording", "use more fields of the name in `recording`");
   }
@@ -234,7 +407,8 @@ Status SortItems(Discovery& discovery) {
 }
 
 /// A path that is one file stands for its folder and that file alone. Nothing for a folder.
-std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int depth, std::set<std::string>& only) {
+std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int depth,
+                                          std::optional<std::set<std::string>>& only) {
   std::error_code unknown;
   if (!std::filesystem::is_regular_file(options.path, unknown)) return std::nullopt;
   const std::filesystem::path file = std::filesystem::absolute(options.path, unknown).lexically_normal();
@@ -245,6 +419,18 @@ std::optional<IngestOptions> FolderOfFile(const IngestOptions& options, int dept
   for (int i = 0; i < depth; ++i) whole.path = whole.path.parent_path();
   only = {DisplayPath(file.lexically_relative(whole.path))};
   return whole;
+}
+
+/// The clips of a declaration that is sound; `only`: of those files of the folder.
+Expected<Discovery> Find(const IngestOptions& options, const NamePattern& pattern,
+                         const std::optional<std::set<std::string>>& only) {
+  ClipFinder finder(options, pattern);
+  Status found = options.source.container.empty() ? finder.InFolder(only) : finder.InContainer();
+  if (found) found = SortItems(finder.discovery);
+  if (found) found = CheckOwnImages(options.source, finder.discovery.items);
+  if (found && options.source.container.empty()) found = CheckFormat(options.source, finder.discovery.items);
+  if (!found) return Forward(found);
+  return std::move(finder.discovery);
 }
 
 }  // namespace
@@ -267,164 +453,9 @@ Expected<Discovery> Discover(const IngestOptions& options, const std::optional<s
   const Expected<NamePattern> pattern = NamePattern::Parse(source.files, "ingest.source.files");
   if (!pattern) return Forward(pattern);
   if (Status fields = CheckFields(source, *pattern); !fields) return Forward(fields);
-  std::set<std::string> alone;
-  if (const auto whole = FolderOfFile(options, pattern->least_depth(), alone)) {
-    return Discover(*whole, alone.empty() ? only : alone);
-  }
-  if (!source.container.empty()) {
-    Expected<Discovery> contained = DiscoverContainer(options);
-    if (!contained) return contained;
-    if (Status sorted = SortItems(*contained); !sorted) return Forward(sorted);
-    return contained;
-  }
-  const Expected<std::map<std::string, std::string>> table = ReadLabelTable(options);
-  if (!table) return Forward(table);
-  const Expected<NamePattern> depth_pattern = NamePattern::Parse(source.depth_files, "ingest.source.depth_files");
-  if (!depth_pattern) return Forward(depth_pattern);
-  const Expected<NamePattern> skeleton_pattern =
-      NamePattern::Parse(source.skeleton_files, "ingest.source.skeleton_files");
-  if (!skeleton_pattern) return Forward(skeleton_pattern);
-  const int depth =
-      std::max({pattern->depth(), depth_pattern->depth(), skeleton_pattern->depth(), GroupedFiles::Depth(source)});
-  const Expected<FolderListing> listing = ListFiles(options.path, depth);
-  if (!listing) return Forward(listing);
-  const std::vector<FolderFile>& files = listing->files;
-  std::map<std::string, std::size_t> elsewhere = listing->folders_below;
-
-  const Expected<KnownIssues> known_issues = KnownIssues::Load(source.known_issue_lists);
-  if (!known_issues) return Forward(known_issues);
-  if (Status rules = CheckLabelRules(source); !rules) return Forward(rules);
-  Expected<BabelIndex> babel = BabelIndex::Read(options.path, source.annotations);
-  if (!babel) return Forward(babel);
-
-  const Expected<GroupedFiles> gathered = GroupedFiles::Of(source, *pattern, files);
-  if (!gathered) return Forward(gathered);
-
-  Discovery discovery;
-  std::set<std::string> recordings;
-  std::vector<std::string> names, passed_over;
-  const bool has_truth = DriverOf(source.format).has_truth;
-  const bool has_depth = has_truth || (source.views.multi_view && !source.depth_files.empty());
-  std::optional<DepthFiles> depth_files;
-  if (has_depth) depth_files.emplace(files, *depth_pattern, *pattern);
-  const ItemOptions stage_options = OptionsToJson(source);
-  for (const FolderFile& file : files) {
-    if (only && only->count(file.name) == 0) continue;
-    names.push_back(file.name);
-    if (has_depth && depth_pattern->Match(file.name)) continue;
-    if (gathered->BelongsToOtherClip(file.name)) continue;
-    if (!source.skeleton_files.empty() && skeleton_pattern->Match(file.name)) continue;
-    if (std::count(source.annotations.begin(), source.annotations.end(), file.name) > 0) continue;
-    if (file.name == source.label_table) continue;
-    const auto exclude = [&](ItemResult result) {
-      if (IsFailure(result.outcome.kind)) AddSourceHash(file.path, result);
-      discovery.excluded.push_back(std::move(result));
-    };
-    const bool matches = pattern->Match(file.name).has_value();
-    if (!matches && source.other_files == OtherFiles::kIgnore) {
-      if (EndsAsMotion(source, file.name)) passed_over.push_back(file.name);
-      continue;
-    }
-    const int file_depth = DepthOf(file.name);
-    if (!matches && (file_depth < pattern->least_depth() || file_depth > pattern->depth())) {
-      ++elsewhere[file_depth == 0 ? "." : file.name.substr(0, file.name.rfind('/'))];
-      continue;
-    }
-    const Expected<NamedFile> named = ReadName(source, file.name);
-    if (!named && named.error().code == ErrorCode::kConfig) return Forward(named);
-    const std::optional<Error> ambiguous = FirstAmbiguous(source, *pattern, gathered->NamesOf(file.name));
-    if (!named) {
-      recordings.insert(StemOf(file.name));  // excluded anyway
-      exclude(ambiguous ? RefusedFile(file.name, kNameAmbiguous, *ambiguous)
-                        : SkippedFile(file.name, source, matches, named.error()));
-      continue;
-    }
-    const std::string recording = source.views.multi_view ? StemOf(file.name) : named->identity.recording;
-    recordings.insert(recording);
-    const auto excluded = source.exclude.find(recording);
-    if (excluded != source.exclude.end()) {
-      exclude(ExcludedFile(named->item(), file.name, "excluded", excluded->second, "ingest.source.exclude names it"));
-      continue;
-    }
-    const std::optional<KnownIssue> issue = known_issues->Find(recording);
-    if (issue && source.known_issues == KnownIssueAction::kDrop) {
-      exclude(ExcludedFile(named->item(), file.name, "known_issue", TextOf(*issue),
-                           "ingest.source.known_issues: report keeps such clips"));
-      continue;
-    }
-    if (ambiguous) {
-      exclude(RefusedFile(file.name, kNameAmbiguous, *ambiguous));
-      continue;
-    }
-    if (!file.problem.empty() && gathered->empty()) {
-      const Error why{ErrorCode::kUnreadable, file.problem, file.name, "correct or remove it"};
-      exclude(RefusedFile(named->item(), "unreadable_file", why));
-      continue;
-    }
-    ItemSpec item{named->item(), stage_options, {{"source", file.name, file.path, ""}}};
-    if (!source.label_table.empty()) {
-      const auto row = table->find(StemOf(file.name));
-      const Expected<std::string> label =
-          row != table->end() ? LabelOf(source, row->second, file.name)
-                              : Fail(ErrorCode::kInconsistent, "'" + source.label_table + "' does not name it",
-                                     file.name, "add a line, or take the file out");
-      if (!label) {
-        exclude(SkippedFile(file.name, source, true, label.error()));
-        continue;
-      }
-      item.options.Set("label_override", *label);
-      if (*label != row->second) item.options.Set("label_text", row->second);
-    }
-    if (Status added = gathered->AddInputs(file.name, named->fields, item); !added) {
-      const bool missing = added.error().code == ErrorCode::kNotFound;
-      const char* code = missing ? "calibration_missing" : "unreadable_file";
-      exclude(RefusedFile(item.item, code, added.error()));
-      continue;
-    }
-    if (!source.skeleton_files.empty()) {
-      if (Status added = AddSkeletonFile(files, FillFields(source.skeleton_files, named->fields), item); !added) {
-        exclude(RefusedFile(item.item, "skeleton_file_missing", added.error()));
-        continue;
-      }
-    }
-    if (issue && source.known_issues == KnownIssueAction::kReport) item.options.Set("known_issue", TextOf(*issue));
-    if (const IndexedSequence* annotated = babel->Find(file.name)) {
-      item.options.Set("annotation", EncodeBabel({annotated->sequence}));
-      const auto role = source.annotation_roles.find(annotated->file);
-      if (role != source.annotation_roles.end()) item.options.Set("annotation_role", role->second);
-    }
-    if (has_truth) discovery.truth.push_back(item);
-    if (depth_files) depth_files->AddTo(named->fields, item);
-    discovery.performers.insert(named->performer);
-    for (int body = 1; body <= named->bodies; ++body) {
-      const Expected<NamedFile> own = ReadName(source, file.name, body);
-      discovery.persons.insert(own ? own->identity.person : named->identity.person);
-      discovery.styles.insert(named->style);
-      const ItemSpec whole = body == 1 && named->bodies == 1 ? item : OfBody(item, source, file.name, body);
-      for (ItemSpec& clip : OfArrays(whole, source, file, discovery.excluded)) {
-        discovery.items.push_back(std::move(clip));
-      }
-    }
-  }
-  if (!only) {
-    for (const auto& [folder, count] : elsewhere) {
-      const bool named_so = pattern->Match(folder).has_value();
-      const bool defaults = source.other_files == OtherFiles::kIgnore || count == 0;
-      if (!named_so && (defaults || BelongsToClip(folder, discovery.items))) continue;
-      discovery.excluded.push_back(SkippedFolder(folder, count, named_so, source));
-    }
-  }
-  if (discovery.items.empty()) return tl::unexpected<Error>(NothingFound(options, discovery, names));
-  NoteUnmatched(source, recordings, discovery.findings);
-  NotePassedOver(source, passed_over, discovery.findings);
-  if (!babel->Unused().empty()) discovery.excluded.push_back(WithoutMotion(*babel, source.annotations));
-  if (source.views.multi_view) {
-    if (Status together = GroupViews(source, discovery.items); !together) return Forward(together);
-  }
-  if (Status sorted = SortItems(discovery); !sorted) return Forward(sorted);
-  if (Status own = CheckOwnImages(source, discovery.items); !own) return Forward(own);
-  if (Status format = CheckFormat(source, discovery.items); !format) return Forward(format);
-  return discovery;
+  std::optional<std::set<std::string>> names = only;
+  const std::optional<IngestOptions> whole = FolderOfFile(options, pattern->least_depth(), names);
+  return Find(whole ? *whole : options, *pattern, names);
 }
 
 }  // namespace mocurate

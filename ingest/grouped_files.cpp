@@ -10,6 +10,7 @@
 #include "core/formats/openpose.h"
 #include "ingest/chosen_clips.h"
 #include "ingest/formats/driver.h"
+#include "ingest/item_facts.h"
 #include "ingest/sources/frame_files.h"
 #include "ingest/sources/source_file.h"
 
@@ -242,8 +243,9 @@ Status GroupViews(const SourceOptions& source, std::vector<ItemSpec>& items) {
       const std::vector<StageInput>& inputs = view->second.inputs;
       together.inputs.push_back(inputs.front());
       depth.insert(depth.end(), inputs.begin() + 1, inputs.end());
-      if (together.options.contains("known_issue") || !view->second.options.contains("known_issue")) continue;
-      together.options.Set("known_issue", view->second.options.at("known_issue"));
+      ItemFacts facts = FactsOf(together);
+      if (facts.known_issue.empty()) facts.known_issue = FactsOf(view->second).known_issue;
+      SetFacts(facts, together);
     }
     together.inputs.insert(together.inputs.end(), depth.begin(), depth.end());
     items.push_back(std::move(together));

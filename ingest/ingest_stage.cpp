@@ -8,6 +8,7 @@
 #include "ingest/checks/clip_checks.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/comparison.h"
+#include "ingest/item_facts.h"
 #include "ingest/read_motions.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/damaged_frames.h"
@@ -66,40 +67,6 @@ int JointCount(const Clip& clip) {
   if (clip.evidence.tracks) return clip.evidence.tracks->positions.joints;
   if (!clip.evidence.keypoint_names.empty()) return static_cast<int>(clip.evidence.keypoint_names.size());
   return clip.motion ? clip.motion->joint_count() : 0;
-}
-
-/// What `Discover` says of an item beside the source's declaration.
-struct ItemFacts {
-  int body = 1;
-  std::string annotation;
-  std::string entry_name;  ///< in a container; empty: the item is a file of its own
-  int entry = -1;
-  int most_frames = 0;
-  std::string array;                 ///< npy: the clip in its file, sources/array_clips.h
-  std::optional<std::string> label;  ///< where the file's name does not tell it
-  std::string label_text;            ///< what the table of labels says
-  std::string role;                  ///< of the file of annotations
-  std::string known_issue;           ///< what a list says of the recording
-};
-
-/// Takes them out of the item's options: the declaration is left.
-ItemFacts TakeFacts(nlohmann::json& options) {
-  ItemFacts facts;
-  facts.body = options.value("body", 1);
-  facts.annotation = options.value("annotation", std::string());
-  facts.entry_name = options.value("entry_name", std::string());
-  facts.entry = options.value("entry", -1);
-  facts.most_frames = options.value("most_frames", 0);
-  facts.array = options.value("array", std::string());
-  if (options.contains("label_override")) facts.label = options.at("label_override").get<std::string>();
-  facts.label_text = options.value("label_text", std::string());
-  facts.role = options.value("annotation_role", std::string());
-  facts.known_issue = options.value("known_issue", std::string());
-  for (const char* key : {"body", "annotation", "entry_name", "entry", "most_frames", "label_override", "label_text",
-                          "annotation_role", "known_issue", "array"}) {
-    options.erase(key);
-  }
-  return facts;
 }
 
 /// Of the source file, followed by its .asf if it has one; with depth views, of the hashes of that file and of every
@@ -207,7 +174,9 @@ StageOutcome Excluded(const DroppedClip& dropped, const std::string& name, const
 
 Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   nlohmann::json declared = request.options;
-  const ItemFacts facts = TakeFacts(declared);
+  const Expected<ItemFacts> item_facts = TakeFacts(declared);
+  if (!item_facts) return Forward(item_facts);
+  const ItemFacts& facts = *item_facts;
   const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
   if (!source) return Forward(source);
   if (Status ok = CheckSource(*source); !ok) return Forward(ok);
@@ -217,9 +186,9 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (gathered && input == request.inputs.end()) input = request.inputs.begin();  // depth images
   if (input == request.inputs.end()) return Fail(ErrorCode::kInternal, "no input with the role 'source'", request.item);
   const std::string& name = facts.entry_name.empty() ? input->name : facts.entry_name;
-  Expected<NamedFile> named = ReadName(*source, name, facts.body);
+  Expected<NamedFile> named = ReadName(*source, name, std::max(1, static_cast<int>(facts.body)));
   if (!named) return Forward(named);
-  if (facts.label) named->label = *facts.label;
+  if (!facts.label.empty()) named->label = facts.label;
   if (!facts.role.empty()) named->role = facts.role;
   named->identity.recording += RecordingSuffix(facts.array);
   if (gathered) named->fields["file"] = named->identity.recording;
@@ -230,8 +199,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   SourceFile file{*source, *named, name, *bytes, {}};
   file.annotation = facts.annotation;
   file.container = input->path;
-  file.entry = facts.entry;
-  file.most_frames = facts.most_frames;
+  file.entry = static_cast<int>(facts.entry);
+  file.most_frames = static_cast<int>(facts.most_frames);
   std::string read = *bytes;
   if (source->views.multi_view) {
     Expected<std::vector<ViewFile>> views = ReadViewFiles(*source, request.inputs, *named);

@@ -224,10 +224,11 @@ void MotionsOptions::Declare(OptionVisitor& v) {
   v.Texts("classes", classes,
           "classes; a motion without a label gets the class that its file or folder name begins with");
   DeclarePadding(padding, v);
+  v.Texts("tolerate", tolerate, "codes of findings for which a run refuses or excludes clips: such clips are read");
 }
 
-StageDeclaration IngestDeclaration() { return {"ingest", 44, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 7, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration IngestDeclaration() { return {"ingest", 45, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

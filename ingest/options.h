@@ -178,6 +178,7 @@ struct MotionsOptions {
   IngestOptions ingest;
   std::vector<std::string> classes;  ///< a motion without a label takes the class that its name begins with
   PaddingAction padding = PaddingAction::kNone;
+  std::vector<std::string> tolerate = {};  ///< codes of findings that refuse no clip
 
   void Declare(OptionVisitor& v);
 };

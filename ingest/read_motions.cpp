@@ -16,6 +16,8 @@
 #include "core/quality/padding.h"
 #include "ingest/discover.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/comparison.h"
+#include "ingest/item_facts.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -27,6 +29,10 @@ Status GiveMotion(const SourceOptions& source, Clip& clip) {
   if (!clip.evidence.tracks) {
     return Fail(ErrorCode::kUnsupported, "the clip holds neither a motion nor joint tracks", clip.id(),
                 "fit it first: mocurate fit");
+  }
+  if (source.skeleton.empty()) {
+    return Fail(ErrorCode::kUnsupported, "joint tracks without a skeleton are no motion", clip.id(),
+                "fit them first (mocurate fit), or declare ingest.source.skeleton");
   }
   const Expected<SkeletonPtr> skeleton = LoadSkeleton(source.skeleton);
   if (!skeleton) return Forward(skeleton);
@@ -92,7 +98,7 @@ std::string OrderOfName(const std::string& name) {
 
 /// Which entry of a batch an item is: "[3]" -> 3.
 std::optional<std::size_t> EntryOfItem(const ItemSpec& item) {
-  const std::string id = item.options.value("array", std::string());
+  const std::string id = FactsOf(item).array;
   const std::size_t open = id.rfind('[');
   if (open == std::string::npos || id.back() != ']') return std::nullopt;
   const auto entry = ParseInteger(id.substr(open + 1, id.size() - open - 2));
@@ -236,6 +242,38 @@ Status TreatPadding(const MotionsOptions& options, int stated, bool states_lengt
   return {};
 }
 
+/// Whether the findings that refuse or exclude a clip are all of those that are tolerated; one that could not be read
+/// is none.
+bool IsTolerated(const std::vector<std::string>& codes, const ReadItem& read) {
+  if (codes.empty() || !(read.clip.motion || !read.clip.evidence.empty())) return false;
+  const auto known = [&](const Finding& finding) {
+    return std::find(codes.begin(), codes.end(), finding.code) != codes.end();
+  };
+  const std::vector<Finding>& findings = read.outcome.findings;
+  if (read.outcome.kind == OutcomeKind::kExcluded) return !findings.empty() && known(findings.back());
+  return std::all_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+    return finding.action != FindingAction::kRefused || known(finding);
+  });
+}
+
+std::string ToleranceOf(const Finding& rule) { return "--tolerate " + rule.code + " reads such clips"; }
+
+/// What the clips of a source contradict together, as a run finds it. Clips are refused for it where the declaration
+/// asks for that.
+void CheckSet(const MotionsOptions& options, std::vector<ItemResult> clips, ReadMotions& read) {
+  const SourceOptions& source = options.ingest.source;
+  for (Finding& finding : FindSetContradictions(source, clips)) {
+    const bool tolerated =
+        std::find(options.tolerate.begin(), options.tolerate.end(), finding.code) != options.tolerate.end();
+    if (source.on_contradiction == OnContradiction::kRefuse && !tolerated) {
+      for (const Clip& clip : read.set.clips)
+        read.refused.push_back({clip.id(), {ErrorCode::kInconsistent, finding.message, clip.id(), ""}});
+      read.set.clips.clear();
+    }
+    read.set.findings.push_back(std::move(finding));
+  }
+}
+
 /// Why the first item that cannot be read is none; nothing where all can.
 std::optional<Error> FirstUnreadable(const std::vector<ItemSpec>& items) {
   for (const ItemSpec& item : items) {
@@ -328,7 +366,12 @@ Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file) {
 
 Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels,
                                      const MotionLengths& lengths) {
-  Expected<Discovery> discovery = Discover(options.ingest);
+  IngestOptions ingest = options.ingest;
+  const auto tolerated = [&](const char* code) {
+    return std::find(options.tolerate.begin(), options.tolerate.end(), code) != options.tolerate.end();
+  };
+  if (tolerated("count_contradiction")) ingest.source.damaged_rows = DamagedRows::kReport;
+  Expected<Discovery> discovery = Discover(ingest);
   if (!discovery) return Forward(discovery);
   const LabelAssignment assignment(labels, options.classes);
   const std::vector<std::size_t> places = PlacesOf(discovery->items);
@@ -354,11 +397,20 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     return Forward(counts);
   }
   std::set<std::string> names;
+  std::vector<ItemResult> results;
   for (std::size_t i = 0; i < discovery->items.size(); ++i) {
     const ItemSpec& item = discovery->items[i];
     StageRequest request{"motions", item.item, item.options.Whole(), item.inputs, {}, {}};
     Expected<ReadItem> one = ReadSourceItem(request);
-    if (one && !HasArtifact(one->outcome.kind)) one = tl::unexpected<Error>(one->outcome.error);
+    if (one && !HasArtifact(one->outcome.kind) && !IsTolerated(options.tolerate, *one)) {
+      const Finding* rule = one->outcome.findings.empty() ? nullptr : &one->outcome.findings.back();
+      for (const Finding& finding : one->outcome.findings) {
+        if (finding.action == FindingAction::kRefused) rule = &finding;
+      }
+      Error error = one->outcome.error;
+      if (rule != nullptr && one->clip.motion) error.hint += (error.hint.empty() ? "" : "; or ") + ToleranceOf(*rule);
+      one = tl::unexpected<Error>(std::move(error));
+    }
     Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);
     if (taken) taken = assignment.Assign(item, places[i], one->clip);
     if (taken) taken = FitsSet(read.set, one->clip);
@@ -379,9 +431,14 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     }
     ShareSkeleton(read.set, *clip.motion);
     names.insert(clip.label);
-    for (Finding& finding : one->outcome.findings) read.set.findings.push_back(std::move(finding));
+    for (const Finding& finding : one->outcome.findings) read.set.findings.push_back(finding);
+    ItemResult result{item.item, {}, {}, {}, false, {}};
+    result.summary = one->outcome.summary;
+    result.outcome = std::move(one->outcome);
+    results.push_back(std::move(result));
     read.set.clips.push_back(std::move(clip));
   }
+  CheckSet(options, std::move(results), read);
   if (read.set.clips.empty()) {
     const Error first =
         read.refused.empty() ? Error{ErrorCode::kInconsistent, "no clip is there", "", ""} : read.refused.front().error;

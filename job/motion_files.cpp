@@ -10,6 +10,7 @@
 #include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/store/store.h"
+#include "ingest/checks/finding_table.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/inspect.h"
 #include "ingest/inspect/source_declaration.h"
@@ -68,6 +69,17 @@ std::optional<fs::path> DeclarationBeside(const fs::path& path) {
   const Expected<std::string> text = ReadFile(file);
   if (!text || text->rfind("# Written by `mocurate export", 0) != 0) return std::nullopt;
   return file;
+}
+
+Status CheckTolerated(const std::vector<std::string>& codes) {
+  std::vector<std::string> known;
+  for (const FindingKind& kind : FindingKinds()) known.emplace_back(kind.code);
+  for (const std::string& code : codes) {
+    if (FindFindingKind(code) != nullptr) continue;
+    return Fail(ErrorCode::kUsage, "no finding has the code '" + code + "'", "--tolerate",
+                DidYouMean(code, known, "docs/inspect.md lists them"));
+  }
+  return {};
 }
 
 bool IsMotionStore(const fs::path& path) {
@@ -171,7 +183,8 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
                 DisplayPath(files.path), "remove --values and --bone-lengths");
   }
   motions.ingest.source.lie_bone_lengths = files.lie_bone_lengths;
-  MotionsOptions options{motions.ingest, extractor.classes, files.padding};
+  if (Status known = CheckTolerated(files.tolerate); !known) return Forward(known);
+  MotionsOptions options{motions.ingest, extractor.classes, files.padding, files.tolerate};
   options.ingest.path.clear();
   ItemSpec item{"motions/" + name, OptionsToJson(options), {}};
   std::error_code unknown;

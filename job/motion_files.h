@@ -20,8 +20,12 @@ struct MotionFiles {
   std::vector<double> lie_bone_lengths;
   std::filesystem::path lengths = {};  ///< numbers of frames beside them, or empty
   PaddingAction padding = PaddingAction::kNone;
-  ConfigRules rules = {};  ///< of `source`
+  ConfigRules rules = {};                  ///< of `source`
+  std::vector<std::string> tolerate = {};  ///< codes of findings for which no clip is refused
 };
+
+/// Error kUsage for a code that no finding has.
+Status CheckTolerated(const std::vector<std::string>& codes);
 
 /// Whether the files are bare arrays of numbers, without axes, unit and joints: .npy, or a folder of them.
 bool AreBareArrays(const std::filesystem::path& path);

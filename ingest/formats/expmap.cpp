@@ -1,12 +1,73 @@
+#include <algorithm>
 #include <cmath>
 
+#include "core/base/text.h"
 #include "core/formats/expmap_table.h"
 #include "core/motion/kinematics.h"
+#include "ingest/checks/clip_checks.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/read_raw.h"
+#include "ingest/sources/damaged_frames.h"
 #include "ingest/sources/smpl_motion.h"
 
 namespace mocurate {
 namespace {
+
+constexpr double kTurn = 6.2832;          // radians; no rotation vector of these sets is longer
+constexpr double kStill = 1e-5;           // radians; rounding of the exporter
+constexpr double kFewestConstant = 0.15;  // share of columns; bones without a degree of freedom stay at 0
+
+constexpr double kMostDamaged = 0.5;  // share of rows that are not whole, of what is named a table of rotations
+
+/// 99 or 117 where most rows of the file have as many numbers; 0: another file.
+int ColumnsOfExpmap(std::string_view bytes) {
+  std::size_t rows = 0, as_99 = 0, as_117 = 0;
+  for (const std::string_view line : SplitText(bytes, '\n')) {
+    if (Trim(line).empty()) continue;
+    const auto commas = std::count(line.begin(), line.end(), ',');
+    ++rows;
+    as_99 += commas == 98 ? 1 : 0;
+    as_117 += commas == 116 ? 1 : 0;
+  }
+  return 2 * as_99 > rows ? 99 : 2 * as_117 > rows ? 117 : 0;
+}
+
+/// Whether every number of a row is one, and no vector longer than a turn.
+bool IsWholeRow(const ExpmapTable& table, std::size_t f) {
+  const std::size_t columns = static_cast<std::size_t>(table.joints) * 3;
+  if (!Eigen::Map<const Vector3d>(&table.root[f * 3]).allFinite()) return false;
+  for (std::size_t c = 0; c < columns; c += 3) {
+    const double* r = &table.rotation_rad[f * columns + c];
+    if (!(std::hypot(r[0], r[1], r[2]) <= kTurn)) return false;
+  }
+  return true;
+}
+
+/// Of rows whose numbers stand and are too large.
+Finding TooLarge(std::size_t f) {
+  const int frame = static_cast<int>(f);
+  Finding finding = FrameFinding("malformed", frame, frame + 1, "", 1.0,
+                                 "row " + std::to_string(frame + 1) +
+                                     ": a rotation vector is longer than 2 pi, those of the other rows are not: its "
+                                     "numbers are damaged; copy the file again");
+  finding.severity = Severity::kError;
+  return finding;
+}
+
+/// The rows that are damaged, rising. Those of whole numbers that are too large are reported beside the findings of the
+/// table.
+std::vector<int> DamagedRowsOf(ExpmapTable& table) {
+  std::vector<int> damaged;
+  for (int f = 0; f < table.frames; ++f) {
+    if (IsWholeRow(table, static_cast<std::size_t>(f))) continue;
+    damaged.push_back(f);
+    const bool reported = std::any_of(table.findings.begin(), table.findings.end(), [&](const Finding& finding) {
+      return finding.frame_begin <= f && f < finding.frame_end;
+    });
+    if (!reported) table.findings.push_back(TooLarge(static_cast<std::size_t>(f)));
+  }
+  return damaged;
+}
 
 /// Column of each of the skeleton's joints among those of the file.
 Expected<std::vector<std::size_t>> ColumnsOf(const SourceOptions& source, const Skeleton& skeleton) {
@@ -40,33 +101,74 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
       ParseExpmapTable(file.bytes, file.name, 3 + 3 * static_cast<int>(source.joints.size()), source.damaged_rows);
   if (!table) return Forward(table);
   if (table->frames == 0) return Fail(ErrorCode::kInconsistent, "the file has no frame", file.name);
-  if (!table->findings.empty()) {
-    return Fail(ErrorCode::kMalformed, table->findings.front().message, file.name,
-                "a given motion must have every frame: cut the file there");
-  }
   const std::size_t joints = columns->size();
   std::vector<Vector3d> root_translation;
   std::vector<Quaterniond> rotation(static_cast<std::size_t>(table->frames) * joints);
+  const std::vector<int> damaged = DamagedRowsOf(*table);
+  if (!table->findings.empty() && source.damaged_rows == DamagedRows::kRefuse)
+    return Fail(ErrorCode::kMalformed, table->findings.front().message, file.name, "repair the rows, or copy it again");
   for (std::size_t f = 0; f < static_cast<std::size_t>(table->frames); ++f) {
-    const double* place = &table->root[f * 3];
+    double *place = &table->root[f * 3], *vectors = &table->rotation_rad[f * source.joints.size() * 3];
+    if (std::binary_search(damaged.begin(), damaged.end(), static_cast<int>(f))) {
+      std::fill_n(place, 3, 0.0);
+      std::fill_n(vectors, source.joints.size() * 3, 0.0);
+    }
     root_translation.push_back(*world_from_file * (*metres * Vector3d(place[0], place[1], place[2])));
     for (std::size_t j = 0; j < joints; ++j) {
-      const double* vector = &table->rotation_rad[(f * source.joints.size() + (*columns)[j]) * 3];
+      const double* vector = vectors + 3 * (*columns)[j];
       const Quaterniond local = ExpQuaternion(-Vector3d(vector[0], vector[1], vector[2]));
       rotation[f * joints + j] = (*world_from_file * local * world_from_file->conjugate()).normalized();
     }
   }
-  for (std::size_t j = 0; j < joints; ++j) {
-    MakeSignContinuous(rotation.data() + j, static_cast<std::size_t>(table->frames), joints);
-  }
   IngestedClip ingested;
+  ingested.findings = std::move(table->findings);
   ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
-  ingested.clip.motion =
-      MakeMotion(*skeleton, ingested.clip.rate, std::move(root_translation), std::move(rotation), {});
+  if (Status added =
+          AddMotion(damaged, *skeleton, {}, std::move(root_translation), std::move(rotation), file.name, ingested);
+      !added) {
+    return Forward(added);
+  }
   return ingested;
 }
 
 }  // namespace
+
+std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& name) {
+  const int wide = ColumnsOfExpmap(bytes);
+  if (wide == 0) return std::nullopt;
+  auto table = ParseExpmapTable(bytes, name, wide, DamagedRows::kReport);
+  if (!table || table->frames < 2) return std::nullopt;
+  const std::vector<int> damaged = DamagedRowsOf(*table);
+  const auto columns = static_cast<std::size_t>(table->joints) * 3;
+  std::vector<int> whole;
+  for (int f = 0; f < table->frames; ++f) {
+    if (!std::binary_search(damaged.begin(), damaged.end(), f)) whole.push_back(f);
+  }
+  const double share = static_cast<double>(damaged.size()) / static_cast<double>(table->frames);
+  if (share > kMostDamaged) return std::nullopt;
+  const auto at = [&](int f, std::size_t c) { return table->rotation_rad[static_cast<std::size_t>(f) * columns + c]; };
+  std::size_t constant = 0;
+  for (std::size_t c = 0; c < columns; ++c) {
+    constant +=
+        std::all_of(whole.begin(), whole.end(), [&](int f) { return std::abs(at(f, c) - at(whole[0], c)) <= kStill; })
+            ? 1
+            : 0;
+  }
+  if (static_cast<double>(constant) < kFewestConstant * static_cast<double>(columns)) return std::nullopt;
+  RawClip clip;
+  clip.format = "expmap_table";
+  clip.frames = whole.back() - whole.front() + 1;  // damaged rows at the ends show nothing
+  clip.joints = table->joints;
+  clip.layout_evidence = std::to_string(3 + columns) + " columns: place of the root and " +
+                         std::to_string(table->joints) + " rotation vectors, " + std::to_string(constant) +
+                         " numbers of them constant";
+  clip.skeleton.evidence = "rotations; the tree is not in the file";
+  clip.silence = "rotations of a skeleton that is not in the file";
+  clip.rate_evidence = "the file does not declare it";
+  clip.missing_share = share;
+  clip.AddRemarks(table->findings);
+  return clip;
+}
 
 FormatDriver ExpmapFormat() {
   FormatDriver d;

@@ -19,6 +19,7 @@
 #include "ingest/inspect/file_names.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/inspect/scene_report.h"
+#include "ingest/item_facts.h"
 #include "ingest/read_motions.h"
 #include "ingest/relaxed_pattern.h"
 #include "ingest/sources/pattern.h"
@@ -145,9 +146,9 @@ std::string Inspector::PlaceOfClip(const ItemSpec& item) const {
     const bool shared = others != recordings_.end() && others->second.size() > 1;
     if (name.empty() || shared) name += (name.empty() ? "" : "/") + RecordingOf(item);
   }
-  const std::string place = PlaceInFile(item);
-  if (!place.empty() || !item.options.contains("body")) return name + place;
-  return name + "[" + std::to_string(item.options.at("body").get<int>() - 1) + "]";
+  const ItemFacts facts = FactsOf(item);
+  const std::string place = facts.Place();
+  return name + (place.empty() && facts.body > 0 ? "[" + std::to_string(facts.body - 1) + "]" : place);
 }
 
 /// The name of a file in the folder asked for, of one below the source's.

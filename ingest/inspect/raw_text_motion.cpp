@@ -4,7 +4,6 @@
 
 #include "core/base/text.h"
 #include "core/formats/babel.h"
-#include "core/formats/expmap_table.h"
 #include "core/formats/opensim_table.h"
 #include "core/formats/row_counter.h"
 #include "core/quality/tracked_points.h"
@@ -12,91 +11,6 @@
 #include "ingest/inspect/read_raw.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kTurn = 6.2832;          // radians; no rotation vector of these sets is longer
-constexpr double kStill = 1e-5;           // radians; rounding of the exporter
-constexpr double kFewestConstant = 0.15;  // share of columns; bones without a degree of freedom stay at 0
-
-constexpr double kMostDamaged = 0.5;  // share of rows that are not whole, of what is named a table of rotations
-
-/// 99 or 117 where most rows of the file have as many numbers; 0: another file.
-int ColumnsOfExpmap(std::string_view bytes) {
-  std::size_t rows = 0, as_99 = 0, as_117 = 0;
-  for (const std::string_view line : SplitText(bytes, '\n')) {
-    if (Trim(line).empty()) continue;
-    const auto commas = std::count(line.begin(), line.end(), ',');
-    ++rows;
-    as_99 += commas == 98 ? 1 : 0;
-    as_117 += commas == 116 ? 1 : 0;
-  }
-  return 2 * as_99 > rows ? 99 : 2 * as_117 > rows ? 117 : 0;
-}
-
-/// Whether every number of a row is one, and no vector longer than a turn.
-bool IsWholeRow(const ExpmapTable& table, std::size_t f) {
-  const std::size_t columns = static_cast<std::size_t>(table.joints) * 3;
-  for (std::size_t c = 0; c < columns; c += 3) {
-    const double* r = &table.rotation_rad[f * columns + c];
-    if (!(std::hypot(r[0], r[1], r[2]) <= kTurn)) return false;
-  }
-  return true;
-}
-
-/// Of rows whose numbers stand and are too large.
-Finding TooLarge(std::size_t f) {
-  const int frame = static_cast<int>(f);
-  Finding finding = FrameFinding("malformed", frame, frame + 1, "", 1.0,
-                                 "row " + std::to_string(frame + 1) +
-                                     ": a rotation vector is longer than 2 pi, those of the other rows are not: its "
-                                     "numbers are damaged; copy the file again");
-  finding.severity = Severity::kError;
-  return finding;
-}
-
-}  // namespace
-
-std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& name) {
-  const int wide = ColumnsOfExpmap(bytes);
-  if (wide == 0) return std::nullopt;
-  const auto table = ParseExpmapTable(bytes, name, wide, DamagedRows::kReport);
-  if (!table || table->frames < 2) return std::nullopt;
-  const auto columns = static_cast<std::size_t>(table->joints) * 3, rows = static_cast<std::size_t>(table->frames);
-  std::vector<std::size_t> whole;
-  for (std::size_t f = 0; f < rows; ++f) {
-    if (IsWholeRow(*table, f)) whole.push_back(f);
-  }
-  if (static_cast<double>(rows - whole.size()) > kMostDamaged * static_cast<double>(rows)) return std::nullopt;
-  std::size_t constant = 0;
-  for (std::size_t c = 0; c < columns; ++c) {
-    const auto still = [&](std::size_t f) {
-      return std::abs(table->rotation_rad[f * columns + c] - table->rotation_rad[whole[0] * columns + c]) <= kStill;
-    };
-    constant += std::all_of(whole.begin(), whole.end(), still) ? 1 : 0;
-  }
-  if (static_cast<double>(constant) < kFewestConstant * static_cast<double>(columns)) return std::nullopt;
-  RawClip clip;
-  clip.format = "expmap_table";
-  clip.frames = table->frames;
-  clip.joints = table->joints;
-  clip.layout_evidence = std::to_string(3 + columns) + " columns: place of the root and " +
-                         std::to_string(table->joints) + " rotation vectors, " + std::to_string(constant) +
-                         " numbers of them constant";
-  clip.skeleton.evidence = "rotations; the tree is not in the file";
-  clip.silence = "rotations of a skeleton that is not in the file";
-  clip.rate_evidence = "the file does not declare it";
-  clip.missing_share = static_cast<double>(rows - whole.size()) / static_cast<double>(rows);
-  clip.AddRemarks(table->findings);
-  const auto reported = [&](std::size_t f) {
-    return std::any_of(table->findings.begin(), table->findings.end(), [&](const Finding& finding) {
-      return finding.frame_begin <= static_cast<int>(f) && static_cast<int>(f) < finding.frame_end;
-    });
-  };
-  for (std::size_t f = 0; f < rows; ++f) {
-    if (!std::binary_search(whole.begin(), whole.end(), f) && !reported(f)) clip.remarks.push_back(TooLarge(f));
-  }
-  return clip;
-}
 
 Expected<RawFile> ReadRawOpenSim(const FileBytes& file) {
   const auto table = ParseOpenSimTable(file.bytes, file.name);

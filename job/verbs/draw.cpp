@@ -56,6 +56,7 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     }
     MotionFiles files{named.path, arguments.source, {}, {}};
     files.rules = {common.allow_include};
+    files.tolerate = arguments.tolerate;
     auto motions =
         MotionsInput(named.name, files, {}, "declare them with --source FILE (docs/adding_a_source.md)", **stages);
     if (!motions) return Forward(motions);

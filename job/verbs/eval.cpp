@@ -247,6 +247,7 @@ void PrintEvaluation(const nlohmann::json& result, const std::string& instead) {
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   ChooseBlasKernels();
   const ConfigRules rules{common.allow_include};
+  if (Status known = CheckTolerated(arguments.tolerate); !known) return known;
   auto plan = PlanOf(arguments, rules);
   if (!plan) return Forward(plan);
   if (!arguments.output.empty()) {
@@ -272,11 +273,12 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
     };
     sets.push_back({named,
                     {named.path, arguments.source, own(arguments.labels), bone_lengths, own(arguments.lengths),
-                     plan->padding, rules}});
+                     plan->padding, rules, arguments.tolerate}});
   }
   if (!plan->real.empty()) {
-    sets.push_back({{"Real", plan->real},
-                    {plan->real, arguments.real_source, arguments.real_labels, {}, {}, plan->padding, rules}});
+    sets.push_back(
+        {{"Real", plan->real},
+         {plan->real, arguments.real_source, arguments.real_labels, {}, {}, plan->padding, rules, arguments.tolerate}});
   }
   auto read = ReadSets(sets, *plan, runs);
   if (!read) return Forward(read);

@@ -48,6 +48,7 @@ struct ClipsToExport {
   ExportSet set;                                    ///< of the chosen clips; no folder yet
   std::function<Expected<Clip>(std::size_t)> read;  ///< by the position in set.ids
   std::vector<RefusedClip> refused;                 ///< clips of the files that could not be read
+  std::vector<Finding> findings;                    ///< about the clips
 };
 
 /// Whether a name of --clip means the id: all of it, or what stands behind a '/'; with its span of frames or without.
@@ -139,9 +140,10 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
 }
 
 Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const ConfigRules& rules) {
+  if (Status known = CheckTolerated(arguments.tolerate); !known) return Forward(known);
   Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source, rules);
   if (!declared) return Forward(declared);
-  Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}});
+  Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}, PaddingAction::kNone, arguments.tolerate});
   if (!read) return Forward(read);
   for (const Finding& finding : read->set.findings) {
     if (finding.severity == Severity::kError)
@@ -158,6 +160,7 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const Config
   open.set.labels = set->labels;
   open.set.fine_labels = set->fine_labels;
   open.read = [set, rows](std::size_t position) { return Expected<Clip>(set->clips[rows[position]]); };
+  open.findings = set->findings;
   open.refused = std::move(read->refused);
   for (RefusedClip& refused : declared->unreadable) open.refused.push_back(std::move(refused));
   return open;
@@ -261,6 +264,7 @@ struct Exported {
   nlohmann::json files = nlohmann::json::array();  ///< {clip, path}
   std::set<fs::path> written;
   std::vector<RefusedClip> refused;
+  std::vector<Finding> findings;
   std::vector<std::string> notes;
 };
 
@@ -353,8 +357,11 @@ void PrintExported(CommonArguments& common, const ExportArguments& arguments, co
                    const std::string& representation, const Exported& exported) {
   nlohmann::json refused = nlohmann::json::object();
   for (const RefusedClip& clip : exported.refused) refused[clip.item] = clip.error.Message();
-  nlohmann::json answer = {
-      {"layout", layout.name}, {"files", exported.files}, {"refused", refused}, {"notes", exported.notes}};
+  nlohmann::json answer = {{"layout", layout.name},
+                           {"files", exported.files},
+                           {"refused", refused},
+                           {"notes", exported.notes},
+                           {"findings", exported.findings}};
   if (!representation.empty()) answer["representation"] = representation;
   if (!AnswersInText(common, answer)) return;
   Print("%s as %s in %s\n", Counted(static_cast<long long>(exported.files.size()), "clip").c_str(),
@@ -398,6 +405,7 @@ Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (Status rotations = CheckRotations(*clips, layout, arguments); !rotations) return rotations;
   Exported exported;
   exported.refused = std::move(clips->refused);
+  exported.findings = std::move(clips->findings);
   if (Status written = ExportClips(*clips, layout, *place, arguments.keep_inferred, exported); !written) return written;
   const std::size_t others = place->file.empty() ? OtherFilesIn(place->folder, exported.written) : 0;
   if (others > 0) {

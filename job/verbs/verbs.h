@@ -82,15 +82,16 @@ struct RigAuditArguments {
 };
 
 struct ExportArguments {
-  std::filesystem::path path;      ///< a file or folder of motions
-  std::filesystem::path output;    ///< a folder, or a file of the layout's ending
-  std::string source;              ///< source declaration; empty: declared by the files
-  std::string layout;              ///< a name of Layouts(); empty: by the ending of the output
-  std::string rotations;           ///< a name of kRotationArraysNames; empty: the layout's own
-  std::string split;               ///< split to write; empty: all, or the first where a layout has only one
-  std::vector<std::string> clips;  ///< selected clips; empty: all
-  bool keep_inferred = false;      ///< frames without an observation go into layouts that cannot mark them
-  bool force = false;              ///< overwrite
+  std::filesystem::path path;         ///< a file or folder of motions
+  std::filesystem::path output;       ///< a folder, or a file of the layout's ending
+  std::string source;                 ///< source declaration; empty: declared by the files
+  std::string layout;                 ///< a name of Layouts(); empty: by the ending of the output
+  std::string rotations;              ///< a name of kRotationArraysNames; empty: the layout's own
+  std::string split;                  ///< split to write; empty: all, or the first where a layout has only one
+  std::vector<std::string> clips;     ///< selected clips; empty: all
+  bool keep_inferred = false;         ///< frames without an observation go into layouts that cannot mark them
+  bool force = false;                 ///< overwrite
+  std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
 };
 
 struct GenerateArguments {
@@ -128,9 +129,10 @@ struct DrawArguments {
   std::string figure = "bones";      ///< bones, capsules, skin
   std::filesystem::path body;        ///< of a skin; empty: the one that losses on vertices use
   std::string title;
-  double scale = 2.0;            ///< pixels of a PNG or video for each unit of the drawing
-  std::filesystem::path output;  ///< .svg, .png or .mp4
-  bool force = false;            ///< overwrite
+  double scale = 2.0;                 ///< pixels of a PNG or video for each unit of the drawing
+  std::filesystem::path output;       ///< .svg, .png or .mp4
+  bool force = false;                 ///< overwrite
+  std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
 };
 
 struct ReproduceArguments {
@@ -166,6 +168,7 @@ struct EvalArguments {
   std::vector<std::string> doses;      ///< as of ParseDoses; empty: all damages
   std::uint64_t seed = 1;              ///< of the damages
   int jobs = 0;
+  std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
 };
 
 struct AuditArguments {

@@ -253,6 +253,36 @@ double MedianFootHeight(std::vector<double> heights) {
   return heights[heights.size() / 2];
 }
 
+/// What a run refuses, `export` and `draw` refuse too, or go on where the code is tolerated.
+TEST(VerbsThatReadFiles, RefuseWhatARunRefusesUnlessItIsTolerated) {
+  const ScratchFolder folder;
+  std::string bvh =
+      "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation "
+      "Yrotation\nJOINT knee\n{\nOFFSET 0 -40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 "
+      "-40 0\n}\n}\n}\nMOTION\nFrames: 20\nFrame Time: 33.33\n";
+  for (int f = 0; f < 20; ++f) bvh += std::to_string(f) + " 90 0 0 " + std::to_string(f) + " 0 0 5 0\n";
+  program::WriteText(folder / "walk.bvh", bvh);
+  program::WriteText(
+      folder / "source.yaml",
+      "name: walk\ningest:\n  source: {name: walk, format: bvh, files: '{recording}.bvh', units: cm, axes: "
+      "'+x +y +z'}\n");
+  const std::string file = folder / "walk.bvh", source = folder / "source.yaml";
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"export", file, "-o", folder / "walk.npz"},
+                                               {"draw", file, "-o", folder / "walk.svg"}}) {
+    std::vector<std::string> arguments = verb;
+    arguments.insert(arguments.end(), {"--source", source});
+    const Result refused = RunProgram(folder, arguments);
+    EXPECT_EQ(refused.exit_code, 3) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("--tolerate rate_implausible"));
+    arguments.insert(arguments.end(), {"--tolerate", "rate_implausible"});
+    const Result tolerated = RunProgram(folder, arguments);
+    EXPECT_EQ(tolerated.exit_code, 0) << tolerated.err;
+    EXPECT_TRUE(fs::exists(verb.back()));
+    arguments.back() = "rate_implausibl";
+    EXPECT_EQ(RunProgram(folder, arguments).exit_code, 2);
+  }
+}
+
 TEST(RunAndExport, PutFeetAtHeightZeroWhereTheFloorIsMeasuredAndSaySo) {
   const ScratchFolder folder;
   const auto succeeds = [&](const std::vector<std::string>& words) {

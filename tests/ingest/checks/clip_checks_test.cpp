@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/checks/finding_table.h"
+#include "ingest/item_facts.h"
 #include "ingest/known_issues.h"
 #include "ingest/sources/source_file.h"
 #include "tests/formats/expect_error.h"
@@ -131,7 +132,7 @@ TEST_F(RecordedSets, ListedMsrAction3dSkeletonsAreFoundByTheirBlankFrames) {
   for (const ItemSpec& item : discovery->items) {
     if (!issues->Find(item.item.substr(item.item.rfind('/') + 1))) continue;
     ++listed;
-    EXPECT_TRUE(item.options.contains("known_issue"));
+    EXPECT_NE(FactsOf(item).known_issue, "");
     StageRequest request;
     request.item = item.item;
     request.options = item.options.Whole();
@@ -157,7 +158,7 @@ TEST_F(RecordedSets, Ntu60IssueListIsPartOfThatOfNtu120) {
   EXPECT_TRUE(large->Find("nturgb+d_skeletons.S001C002P005R002A008"));
   EXPECT_FALSE(large->Find("S001C001P001R001A011"));
   const auto discovery = Discover(Declared("ntu"));
-  for (const ItemSpec& item : discovery->items) EXPECT_FALSE(item.options.contains("known_issue"));
+  for (const ItemSpec& item : discovery->items) EXPECT_EQ(FactsOf(item).known_issue, "");
 }
 
 TEST(KnownIssueLists, SuggestTheNearestNameForAnUnknownList) {
