@@ -197,10 +197,11 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
   for (const std::size_t at : {std::size_t{0}, items.size() / 2, items.size() - 1}) {
     const StageInput& input = items[at].inputs[0];
     const Expected<std::string> head = ReadHead(input.path);
-    const FormatDriver* found = head ? RecogniseFormat({*head, input.name, input.path}) : nullptr;
-    // What the first bytes tell; tables of numbers may be of any format whose first bytes tell nothing.
-    if (found == nullptr || found->kind == FileKind::kUnknown || found->kind == declared.kind) return {};
-    if (found->kind == FileKind::kNumbers && declared.kind == FileKind::kUnknown) return {};
+    const FileKind kind = KindOf(head.value_or(""));
+    const FormatDriver* found = head ? RecogniseFormat({*head, input.name, input.path}, kind) : nullptr;
+    // What the content tells; tables of numbers may be of any format whose content tells nothing.
+    if (found == nullptr || found == &declared || found->kinds.empty() || declared.IsOf(kind)) return {};
+    if (kind == FileKind::kNumbers && declared.kinds.empty()) return {};
     if (other != nullptr && other != found) return {};
     other = found;
   }

@@ -110,7 +110,8 @@ class AmassReader {
     if (Status s = TakeText("surface_model_type", amass_.surface_model); !s) return Forward(s);
     std::vector<double> dmpls;  // not used
     if (Status s = Take("dmpls", {n, kAnyExtent}, false, dmpls); !s) return Forward(s);
-    if (Status s = Markers(); !s) return Forward(s);
+    const NpyArray* markers = npz_.Find("marker_data");  // not used
+    if (markers != nullptr && markers->shape.size() == 3) amass_.markers = markers->shape[1];
     return std::move(amass_);
   }
 
@@ -295,33 +296,6 @@ class AmassReader {
         }
       }
       first += part.columns;
-    }
-    return {};
-  }
-
-  Status Markers() {
-    const NpyArray* data = npz_.Find("marker_data");
-    const NpyArray* labels = npz_.Find("marker_labels");
-    if (data == nullptr) return {};
-    if (data->shape.size() != 3 || data->shape[0] != amass_.frames || data->shape[2] != 3 || !data->texts.empty()) {
-      return Bad("marker_data", "numbers of shape (" + std::to_string(amass_.frames) + ", markers, 3) are expected");
-    }
-    amass_.markers = data->shape[1];
-    if (labels != nullptr) {
-      if (labels->texts.size() != amass_.markers || labels->shape.size() != 1) {
-        return Bad("marker_labels",
-                   std::to_string(labels->texts.size()) + " labels for " + std::to_string(amass_.markers) + " markers",
-                   ErrorCode::kInconsistent);
-      }
-      amass_.marker_labels = labels->texts;
-    }
-    amass_.marker_data_m = data->values;
-    amass_.marker_observed.assign(amass_.frames * amass_.markers, 1);
-    for (std::size_t i = 0; i < amass_.marker_observed.size(); ++i) {
-      double* xyz = amass_.marker_data_m.data() + 3 * i;
-      if (std::isfinite(xyz[0]) && std::isfinite(xyz[1]) && std::isfinite(xyz[2])) continue;
-      xyz[0] = xyz[1] = xyz[2] = 0.0;
-      amass_.marker_observed[i] = 0;
     }
     return {};
   }

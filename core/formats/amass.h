@@ -29,12 +29,9 @@ struct Amass {
   std::vector<double> poses;          ///< frames x pose_columns
   std::vector<double> translation_m;  ///< frames x 3
   std::vector<double> betas;
-  std::size_t markers = 0;
-  std::vector<std::string> marker_labels;
-  std::vector<double> marker_data_m;          ///< frames x markers x 3, 0 where not observed; empty when absent
-  std::vector<std::uint8_t> marker_observed;  ///< frames x markers
-  std::vector<int> damaged;                   ///< frames whose pose or place is not all numbers of a person; 0 there
-  std::vector<Finding> findings;              ///< "not_a_number", one of those that follow each other, at most 200
+  std::size_t markers = 0;        ///< in the file; not read
+  std::vector<int> damaged;       ///< frames whose pose or place is not all numbers of a person; 0 there
+  std::vector<Finding> findings;  ///< "not_a_number", one of those that follow each other, at most 200
 };
 
 /// AMASS .npz of both layouts. Members that hold Python objects are ignored. Errors kMalformed and kInconsistent name

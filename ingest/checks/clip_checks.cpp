@@ -291,8 +291,7 @@ std::string FaultCode(const Error& error, std::string_view format) {
   if (error.reason == Reason::kOtherLayout) return "layout_contradiction";
   if (error.reason == Reason::kOtherRate) return "rate_contradiction";
   if (error.reason == Reason::kViewNumbering) return "view_numbering";
-  const bool layout = format == "joint_table" || format == "npy";
-  return error.code == ErrorCode::kInconsistent && layout ? "layout_contradiction" : "malformed";
+  return error.code == ErrorCode::kInconsistent && DriverOf(format).lists_joints ? "layout_contradiction" : "malformed";
 }
 
 }  // namespace mocurate

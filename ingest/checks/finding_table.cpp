@@ -183,7 +183,6 @@ const std::vector<FindingKind>& FindingKinds() {
       {"joint_twice", "warning", "two joints of a BVH with one name; value: the second of them, from 0"},
       {"root_axis_missing", "warning; error where its orientation is not 0", "an ASF whose root declares no axis"},
       {"frames_filled", "info", "frames missing in a track of VIBE, interpolated; value: frames"},
-      {"markers_missing", "info", "missing marker samples"},
       {"not_a_rotation", "warning", "invalid recorded rotations: set to missing"},
       {"bone_slides", "warning", "a bone of a BVH changes its length; value: metres"},
       {"scene_root", "info",

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/base/finding.h"
-#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/amass.h"
 #include "core/formats/npz.h"
@@ -111,32 +110,6 @@ std::optional<Finding> CheckTranslations(const Amass& amass) {
                           "use its rotations alone");
 }
 
-/// "units_contradiction" where the markers are a power of ten larger or smaller than the body that poses and `trans`
-/// give, `posed` (frames, joints; metres): `marker_data` is of another unit, and the body is sound. Value: how many
-/// times.
-std::optional<Finding> CheckMarkers(const Amass& amass, const JointPositions& posed) {
-  constexpr int kFrames = 50;  // looked at, all over the clip
-  std::vector<double> ratios;
-  const int step = std::max(1, posed.frames / kFrames);
-  JointPositions markers(static_cast<int>(amass.frames), static_cast<int>(amass.markers));
-  markers.xyz = amass.marker_data_m;
-  const std::vector<double> seen(amass.marker_observed.begin(), amass.marker_observed.end()), all, times;
-  const TrackedPoints of_markers{markers, seen, times}, of_body{posed, all, times};
-  for (int f = 0; f < std::min(posed.frames, markers.frames); f += step) {
-    const auto extent = of_markers.Extent(f, 3), body = of_body.Extent(f, 3);
-    if (extent && body && *extent > 0.0 && *body > 0.0) ratios.push_back(*extent / *body);
-  }
-  if (ratios.empty()) return std::nullopt;
-  const double ratio = Median(std::move(ratios)), factor = std::pow(10.0, std::round(std::log10(ratio)));
-  if (factor == 1.0) return std::nullopt;
-  const char* unit = factor == 1000.0 ? " (millimetres)" : factor == 100.0 ? " (centimetres)" : "";
-  return MakeFinding("units_contradiction", Severity::kError, ratio,
-                     "`marker_data` is " + Digits(ratio) +
-                         " times as large as the body that `poses` and `trans` give: AMASS has metres, "
-                         "these numbers are to be divided by " +
-                         FormatDouble(factor) + unit + "; the body is looked at without them");
-}
-
 /// Findings about the numbers of a file.
 struct AmassFindings {
   std::vector<Finding> findings;
@@ -224,30 +197,6 @@ Expected<IngestedClip> ReadAmassClip(const SourceFile& file) {
   return ingested;
 }
 
-/// Markers of the usual sets (Vicon's names) that lie on landmarks of the body; those within it are near the joints.
-BodyLandmarks PointsOfMarkers(const std::vector<std::string>& labels) {
-  const auto find = [&](const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-      for (std::size_t m = 0; m < labels.size(); ++m) {
-        if (labels[m] == name) return static_cast<int>(m);
-      }
-    }
-    return -1;
-  };
-  BodyLandmarks points;
-  points.head = find({"LFHD", "RFHD", "ARIEL"});
-  for (int side = 0; side < 2; ++side) {
-    const std::string s = side == 0 ? "L" : "R";
-    points.hip[side] = find({s + "FWT", s + "ASI", s + "BWT", s + "PSI"});
-    points.knee[side] = find({s + "KNE"});
-    points.ankle[side] = find({s + "ANK", s + "HEE", s + "HEL"});
-    points.toe[side] = find({s + "TOE", s + "MT5", s + "MT1"});
-    points.shoulder[side] = find({s + "SHO", s + "FSH", s + "BSH"});
-    points.wrist[side] = find({s + "WRA", s + "IWR", s + "WRB", s + "OWR"});
-  }
-  return points;
-}
-
 /// The rotations on SMPL's tree, which is the same for every body. The joints have standard proportions, so that bone
 /// lengths mean nothing.
 Expected<Motion> PoseTree(const Amass& amass) {
@@ -298,32 +247,14 @@ RawClip AmassClip(const Amass& amass, const std::string& name) {
   clip.facts.emplace_back("markers", std::to_string(amass.markers));
   clip.missing_share = 0.0;
   clip.AddRemarks(checked.findings);
-  // Poses in another unit show nothing; the markers still do.
+  // Poses in another unit show nothing.
   const Expected<Motion> posed =
       InvalidatesPoses(checked.findings) ? Fail(ErrorCode::kInconsistent, kInvalidPoses, name) : PoseTree(amass);
-  if (posed) clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
-  const std::optional<Finding> unit = posed && amass.markers > 0 ? CheckMarkers(amass, posed->joints) : std::nullopt;
-  if (unit) clip.remarks.push_back(*unit);
-  if (unit || amass.markers == 0 || amass.marker_labels.size() != amass.markers) {
-    if (posed)
-      StandOnTree(*posed, amass.damaged, clip);
-    else
-      clip.silence = posed.error().what;
-    return clip;
-  }
-  if (posed) clip.posed = posed->joints;
-  clip.positions = JointPositions(clip.frames, static_cast<int>(amass.markers));
-  clip.names = amass.marker_labels;
-  clip.confidence.assign(amass.marker_observed.begin(), amass.marker_observed.end());
-  std::size_t unseen = 0;
-  for (std::size_t i = 0; i < amass.marker_observed.size(); ++i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) clip.positions.xyz[3 * i + axis] = amass.marker_data_m[3 * i + axis];
-    if (amass.marker_observed[i] == 0) ++unseen;
-  }
-  clip.points = PointsOfMarkers(amass.marker_labels);
-  if (unseen > 0) {
-    clip.remarks.push_back(MakeFinding("markers_missing", Severity::kInfo, static_cast<double>(unseen),
-                                       Counted(unseen, "sample") + " of markers missing"));
+  if (posed) {
+    clip.root_scale = MeasureRootScale(posed->joints, PointsOfBody(*posed->skeleton));
+    StandOnTree(*posed, amass.damaged, clip);
+  } else {
+    clip.silence = posed.error().what;
   }
   return clip;
 }
@@ -417,7 +348,7 @@ FormatDriver AmassFormat() {
   d.tree = "smpl24";
   d.zeros = "; the file does not state where the body moves";
   d.options = {"annotations", "annotation_roles"};
-  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };  // arrays, too
   d.read_raw = NpzIn;
   d.propose = ProposeAmass;
   d.to_clip = ReadAmassClip;

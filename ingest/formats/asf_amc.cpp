@@ -384,13 +384,12 @@ FormatDriver AsfAmcFormat() {
   FormatDriver d;
   d.name = "asf_amc";
   d.inspected = "amc";
-  d.kind = FileKind::kAmc;
+  d.kinds = {FileKind::kAsf, FileKind::kAmc};
   d.ending = ".amc";
   d.gives = EvidenceKind::kMotion;
   d.rotations = true;
   d.check = CheckSkeletonFiles;
   d.options = {"skeleton_files"};
-  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kAsf || kind == FileKind::kAmc; };
   d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
   d.propose = ProposeAcclaim;
   d.to_clip = ReadAsfAmcClip;

@@ -241,7 +241,7 @@ Expected<IngestedClip> ReadBvhClip(const SourceFile& file) {
 FormatDriver BvhFormat() {
   FormatDriver d;
   d.name = "bvh";
-  d.kind = FileKind::kBvh;
+  d.kinds = {FileKind::kBvh};
   d.ending = ".bvh";
   d.gives = EvidenceKind::kMotion;
   d.rotations = true;

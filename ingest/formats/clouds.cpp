@@ -118,11 +118,10 @@ void ProposeClouds(const Proposal& proposal, DeclarationWriter& writer) {
 FormatDriver CloudsFormat() {
   FormatDriver d;
   d.name = "clouds";
-  d.kind = FileKind::kPly;
+  d.kinds = {FileKind::kPly, FileKind::kPcd};
   d.gives = EvidenceKind::kPointClouds;
   d.grouped_by = {"frame"};
   d.check = CheckGrouped;
-  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPly || kind == FileKind::kPcd; };
   d.read_raw = CloudIn;
   d.propose = ProposeClouds;
   d.to_clip = ReadCloudsClip;

@@ -183,12 +183,9 @@ FormatDriver DepthSequenceFormat() {
   d.has_truth = true;
   d.check = CheckDepthFiles;
   d.options = {"depth_files", "depth_unit"};
-  d.sniff = [](const FileBytes& file, FileKind kind) {
-    const JsonKind json = kind == FileKind::kJson ? JsonKindOf(file.bytes) : JsonKind::kOther;
-    return json == JsonKind::kDepthSequence || json == JsonKind::kDepthStill;
-  };
+  d.kinds = {FileKind::kDepthSequence, FileKind::kDepthStill};
   d.read_raw = [](const FileBytes& file) {
-    return JsonKindOf(file.bytes) == JsonKind::kDepthStill ? StillIn(file) : SequenceIn(file);
+    return KindOf(file.bytes) == FileKind::kDepthStill ? StillIn(file) : SequenceIn(file);
   };
   d.propose = ProposeDepthSequence;
   d.to_clip = ReadDepthSequenceClip;

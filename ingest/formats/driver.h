@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <string>
 #include <string_view>
@@ -32,10 +33,10 @@ struct ContainerEntry {
 /// One format of captures: `run` reads clips by it, `inspect` recognises its files, and a declaration is checked
 /// against it. docs/adding_a_format.md.
 struct FormatDriver {
-  const char* name = "none";           ///< its name in a configuration
-  const char* inspected = "";          ///< name of its clips in an inspection; empty: the same
-  FileKind kind = FileKind::kUnknown;  ///< of its files, where the first bytes identify them
-  const char* ending = "";             ///< of its files, where it is specific enough: ".bvh", "pose.txt"
+  const char* name = "none";         ///< its name in a configuration
+  const char* inspected = "";        ///< name of its clips in an inspection; empty: the same
+  std::vector<FileKind> kinds = {};  ///< of its files, where their content identifies them; none: it does not
+  const char* ending = "";           ///< of its files, where it is specific enough: ".bvh", "pose.txt"
   EvidenceKind gives = EvidenceKind::kNothing;
   bool rotations = false;  ///< motion comes with rotations; for `motions` each file states it
   UnitOf unit = UnitOf::kDeclaration;
@@ -55,8 +56,8 @@ struct FormatDriver {
   /// Rules of a declaration beyond those of all formats. Error kConfig names the option. Null: no rules.
   Status (*check)(const SourceOptions& source) = nullptr;
   Expected<IngestedClip> (*to_clip)(const SourceFile& file) = nullptr;
-  /// Whether an undeclared file is of this format, by its path and at least its first kKindHead bytes. Null: its `kind`
-  /// decides.
+  /// Whether an undeclared file is of this format though its kind is not: by its path, and what else its bytes hold.
+  /// Null: `kinds` decide.
   bool (*sniff)(const FileBytes& file, FileKind kind) = nullptr;
   /// Everything that such a file contains. Null: a clip needs several files, or a declaration.
   Expected<RawFile> (*read_raw)(const FileBytes& file) = nullptr;
@@ -70,6 +71,7 @@ struct FormatDriver {
   bool gathered() const { return !grouped_by.empty(); }
   const char* clip_format() const { return *inspected == '\0' ? name : inspected; }
   bool HasOption(std::string_view option) const;
+  bool IsOf(FileKind kind) const { return std::count(kinds.begin(), kinds.end(), kind) > 0; }
 };
 
 /// All formats; the first is `none`.
@@ -78,9 +80,9 @@ const std::deque<FormatDriver>& FormatDrivers();
 /// The driver `none` for an unknown name.
 const FormatDriver& DriverOf(std::string_view name);
 
-/// The format of a file by its path and at least its first kKindHead bytes. Formats that sniff are asked first, the
-/// last one added before the others; then its kind decides. Null: unknown.
-const FormatDriver* RecogniseFormat(const FileBytes& file);
+/// The format of a file of this kind. Formats that sniff are asked first, the last one added before the others; then
+/// the first that has the kind is meant. Null: unknown.
+const FormatDriver* RecogniseFormat(const FileBytes& file, FileKind kind);
 
 /// Adds a format of an embedding program; configurations may name it from now on. Call it before any thread reads
 /// clips. Throws std::logic_error for a name in use, a null to_clip, or options that ingest.source lacks.

@@ -174,7 +174,7 @@ FormatDriver ExpmapFormat() {
   FormatDriver d;
   d.name = "expmap";
   d.inspected = "expmap_table";
-  d.kind = FileKind::kNumbers;
+  d.kinds = {FileKind::kNumbers};
   d.gives = EvidenceKind::kMotion;
   d.rotations = true;
   d.needs_skeleton = true;

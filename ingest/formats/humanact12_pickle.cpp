@@ -140,7 +140,7 @@ FormatDriver HumanAct12PickleFormat() {
   d.tree = "smpl24";
   d.needs_container = true;
   d.options = {"container"};
-  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };
+  d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };  // of VIBE, too
   d.read_raw = ReadRawPickle;
   d.propose = ProposeHumanAct12;
   d.to_clip = ReadHumanAct12Clip;

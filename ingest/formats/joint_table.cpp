@@ -349,7 +349,7 @@ bool HasTimes(const SourceOptions& s) {
 FormatDriver JointTableFormat() {
   FormatDriver d;
   d.name = "joint_table";
-  d.kind = FileKind::kNumbers;
+  d.kinds = {FileKind::kNumbers};
   d.gives = EvidenceKind::kJointTracks;
   d.lists_joints = true;
   d.zeros = "; if the tracker writes missing joints so, set ingest.source.missing: zero";

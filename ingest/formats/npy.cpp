@@ -336,7 +336,7 @@ Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::str
 FormatDriver NpyFormat() {
   FormatDriver d;
   d.name = "npy";
-  d.kind = FileKind::kNpy;
+  d.kinds = {FileKind::kNpy};
   d.gives = EvidenceKind::kMotion;
   d.needs_skeleton = true;
   d.lists_joints = true;

@@ -196,7 +196,7 @@ Expected<RawFile> NtuIn(const FileBytes& file) {
 bool IsNtu(const FileBytes& file, FileKind kind) {
   const bool counts = file.bytes.find_first_not_of("0123456789 \t\r\n") == std::string_view::npos;
   const bool text = kind == FileKind::kUnknown || (kind == FileKind::kNumbers && counts);
-  return kind == FileKind::kNtuSkeleton || (text && file.path.extension() == ".skeleton");
+  return text && file.path.extension() == ".skeleton";
 }
 
 /// Of NTU RGB+D, 1 to 120.
@@ -240,7 +240,7 @@ void ProposeNtu(const Proposal& proposal, DeclarationWriter& writer) {
 FormatDriver NtuSkeletonFormat() {
   FormatDriver d;
   d.name = "ntu_skeleton";
-  d.kind = FileKind::kNtuSkeleton;
+  d.kinds = {FileKind::kNtuSkeleton};
   d.ending = ".skeleton";
   d.gives = EvidenceKind::kJointTracks;
   d.unit = UnitOf::kMetres;

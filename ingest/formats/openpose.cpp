@@ -301,6 +301,7 @@ void ProposeOpenPose(const Proposal& proposal, DeclarationWriter& writer) {
 FormatDriver OpenPoseFormat() {
   FormatDriver d;
   d.name = "openpose";
+  d.kinds = {FileKind::kOpenPose};
   d.gives = EvidenceKind::kKeypoints;
   d.unit = UnitOf::kCalibration;
   d.grouped_by = {"camera", "frame"};

@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "core/base/median.h"
 #include "core/formats/panoptic_bodies.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
 #include "ingest/inspect/declaration_writer.h"
+#include "ingest/inspect/read_raw.h"
 #include "ingest/sources/frame_files.h"
 
 namespace mocurate {
@@ -25,19 +28,6 @@ std::vector<int> RankedIds(const std::vector<PanopticBodies>& frames) {
   for (const auto& [id, count] : presence) ids.push_back(id);
   std::stable_sort(ids.begin(), ids.end(), [&](int a, int b) { return presence.at(a) > presence.at(b); });
   return ids;
-}
-
-/// Frames per second by the files' own time stamps, from the first to the last.
-double ClockRate(const std::vector<PanopticBodies>& frames) {
-  int first = -1, last = -1;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    if (frames[f].time_ms <= 0.0) continue;
-    if (first < 0) first = static_cast<int>(f);
-    last = static_cast<int>(f);
-  }
-  if (last <= first) return 0.0;
-  const double span = frames[static_cast<std::size_t>(last)].time_ms - frames[static_cast<std::size_t>(first)].time_ms;
-  return span > 0.0 ? 1000.0 * (last - first) / span : 0.0;
 }
 
 /// CMU Panoptic body3DScene files, one per frame -> evidence tracks of one of the people, the longest present first.
@@ -94,7 +84,7 @@ Expected<IngestedClip> ReadPanopticClip(const SourceFile& file) {
       }
     }
   }
-  if (const double hz = ClockRate(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
+  if (const double hz = RateByClock(frames); hz > 0.0) RateOfFile(file.source, hz, ingested);
   NoteEmptyFrames(tracks, ingested.findings);
   clip.evidence.tracks = std::move(tracks);
   clip.provenance["body_id"] = std::to_string(id);
@@ -113,9 +103,28 @@ void ProposePanoptic(const Proposal& proposal, DeclarationWriter& writer) {
 
 }  // namespace
 
+double RateByClock(const std::vector<PanopticBodies>& scenes) {
+  std::vector<double> steps_ms;
+  double last_ms = 0.0;
+  for (const PanopticBodies& scene : scenes) {
+    if (scene.time_ms <= 0.0) continue;
+    if (last_ms > 0.0 && scene.time_ms > last_ms) steps_ms.push_back(scene.time_ms - last_ms);
+    last_ms = scene.time_ms;
+  }
+  if (steps_ms.empty()) return 0.0;
+  const double usual_ms = Median(steps_ms);
+  double moments = 0.0, span_ms = 0.0;
+  for (const double step : steps_ms) {
+    moments += std::round(step / usual_ms);
+    span_ms += step;
+  }
+  return 1000.0 * moments / span_ms;
+}
+
 FormatDriver PanopticFormat() {
   FormatDriver d;
   d.name = "panoptic";
+  d.kinds = {FileKind::kPanopticBodies};
   d.inspected = "panoptic_bodies";
   d.gives = EvidenceKind::kJointTracks;
   d.unit = UnitOf::kCentimetres;

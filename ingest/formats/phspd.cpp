@@ -159,7 +159,6 @@ FormatDriver PhspdFormat() {
   FormatDriver d;
   d.name = "phspd";
   d.inspected = "phspd_pose";
-  d.kind = FileKind::kNumbers;
   d.ending = "pose.txt";
   d.gives = EvidenceKind::kJointTracks;
   d.unit = UnitOf::kMetres;

@@ -48,15 +48,13 @@ const FormatDriver& DriverOf(std::string_view name) {
   return own == all.end() ? all.front() : *own;
 }
 
-const FormatDriver* RecogniseFormat(const FileBytes& file) {
+const FormatDriver* RecogniseFormat(const FileBytes& file, FileKind kind) {
   const auto& all = FormatDrivers();
-  const FileKind kind = KindOf(file.bytes);
   // Formats that a program adds come last in the list and are asked first.
-  const auto sniffs = [&](const FormatDriver& d) { return d.sniff != nullptr && d.sniff(file, kind); };
-  const auto sniffed = std::find_if(all.rbegin(), all.rend(), sniffs);
+  const auto sniffed = std::find_if(all.rbegin(), all.rend(),
+                                    [&](const FormatDriver& d) { return d.sniff != nullptr && d.sniff(file, kind); });
   if (sniffed != all.rend()) return &*sniffed;
-  const auto of_kind = [&](const FormatDriver& d) { return d.sniff == nullptr && d.kind == kind; };
-  const auto own = kind == FileKind::kUnknown ? all.end() : std::find_if(all.begin(), all.end(), of_kind);
+  const auto own = std::find_if(all.begin(), all.end(), [&](const FormatDriver& d) { return d.IsOf(kind); });
   return own == all.end() ? nullptr : &*own;
 }
 

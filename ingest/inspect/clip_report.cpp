@@ -92,23 +92,6 @@ ClipInMetres::ClipInMetres(const RawClip& clip, const std::string& units, const 
     bones = BonesBetween(clip.names, **skeleton);
 }
 
-/// A body that goes where its markers do not: its path stands in the file beside theirs.
-void CheckPath(const RawClip& clip, const CheckOptions& options, const ClipInMetres& markers, const std::string& up,
-               std::vector<Finding>& found) {
-  if (clip.posed.empty() || !markers.known) return;
-  RawClip body;
-  body.positions = clip.posed;
-  const ClipInMetres metres(body, "m", up, kUsualRate);
-  const TrackedPoints points{metres.positions, metres.confidence, markers.time_s};
-  for (const Finding& finding : FindDefects(options, points, std::nullopt, true)) {
-    const auto same = [&](const Finding& other) {
-      return other.code == finding.code && other.frame_begin < finding.frame_end &&
-             finding.frame_begin < other.frame_end;
-    };
-    if (finding.code == "position_jump" && std::none_of(found.begin(), found.end(), same)) found.push_back(finding);
-  }
-}
-
 /// What a clip shows, to compare it with others; empty where unit or up is not known.
 MotionSignature SignatureShown(const RawClip& clip, const std::string& units, const std::string& up) {
   if (clip.positions.empty()) return {};
@@ -139,7 +122,6 @@ void ReportChecks(const RawClip& clip, const std::string& units, const std::stri
   std::vector<Finding> found = FindDefects(options, metres.view(clip), rate, metres.known, rate ? 0 : kLostWithoutRate);
   ExplainZeros(clip.format, found);
   found.insert(found.end(), std::make_move_iterator(unseen.begin()), std::make_move_iterator(unseen.end()));
-  CheckPath(clip, options, metres, up, found);
   if (!HasFinding(clip.remarks, "no_joint_seen")) {
     std::vector<Finding> remarks = clip.remarks;
     const auto before = static_cast<std::ptrdiff_t>(remarks.size());
@@ -234,17 +216,16 @@ ClipMeasures MeasuresOf(const RawClip& clip) {
 }
 
 /// All of the report but the rate.
-InspectedClip FactsOfClip(const RawClip& clip, const std::string& file, const std::optional<SourceOptions>& source,
-                          const ClipMeasures& m, const DeclaredFrame& said) {
+InspectedClip FactsOfClip(const RawClip& clip, const std::string& file, const ClipMeasures& m,
+                          const DeclaredFrame& said) {
   InspectedClip report;
   report.id = file + clip.id;
   report.file = file;
   report.format = clip.format;
   report.frames = Report<int>(clip.frames, Provenance::kMeasured, 1.0, clip.layout_evidence);
-  const bool guessed = clip.format == "joint_table" && !source;
   report.joints = Report(clip.joints > 0 ? std::optional(clip.joints) : std::nullopt,
-                         guessed ? Provenance::kMeasured : Provenance::kDeclared,
-                         guessed ? clip.skeleton.confidence : 1.0, clip.layout_evidence);
+                         clip.joints_measured ? Provenance::kMeasured : Provenance::kDeclared,
+                         clip.joints_measured ? clip.skeleton.confidence : 1.0, clip.layout_evidence);
   report.people = Report<int>(clip.people, Provenance::kDeclared, 1.0, clip.people_evidence);
   report.fewest_people = clip.fewest_people;
   report.skeleton = Report(clip.skeleton.value, clip.skeleton.from, clip.skeleton.confidence, clip.skeleton.evidence);
@@ -307,7 +288,7 @@ InspectedClip DeclaredReport(const RawClip& clip, const std::string& file, const
   const ClipMeasures m = MeasuresOf(clip);
   ReportMissing(m, file + clip.id, findings);
   const DeclaredFrame said = DeclaredFrameOf(clip, source);
-  InspectedClip report = FactsOfClip(clip, file, source, m, said);
+  InspectedClip report = FactsOfClip(clip, file, m, said);
   const Believed believed = BelievedOf(said, m, false);
   const RateLimits rate = RateShown(clip, believed.units, believed.up);
   report.rate_hz = ReportedRate(clip, source, rate);
@@ -319,7 +300,7 @@ InspectedClip ClipReport(const RawClip& clip, const std::string& file, std::vect
   const ClipMeasures m = MeasuresOf(clip);
   const DeclaredFrame said = DeclaredFrameOf(clip, std::nullopt);
   const std::string where = file + clip.id;
-  InspectedClip report = FactsOfClip(clip, file, std::nullopt, m, said);
+  InspectedClip report = FactsOfClip(clip, file, m, said);
   for (const Finding& remark : clip.remarks) findings.push_back(FindingAt(where, Rounded(remark)));
   if (clip.rate_finding) findings.push_back(FindingAt(where, *clip.rate_finding));
   ReportMissing(m, where, findings);

@@ -217,6 +217,21 @@ bool IsWideBvh(std::string_view bytes) {
   return StartsWith(text, "HIERARCHY");
 }
 
+FileKind JsonKind(std::string_view bytes) {
+  TopKeys keys;
+  nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
+  const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
+  if (has("k4abt_sdk_version") || (has("joint_names") && has("bone_list"))) return FileKind::kAzureBodies;
+  if (keys.list && (has("keypoints3d") || has("keypoints"))) return FileKind::kEasyMocap;
+  if (has("people") || keys.keypoints) return FileKind::kOpenPose;
+  if (has("bodies")) return FileKind::kPanopticBodies;
+  if (has("views") && has("frames")) return FileKind::kDepthSequence;
+  if (has("views") && has("depth_unit")) return FileKind::kDepthStill;
+  if (keys.top.size() == 2 && has("content") && has("style")) return FileKind::kBandaiLabel;
+  if (keys.below.count("babel_sid") > 0) return FileKind::kBabel;
+  return keys.list ? FileKind::kJsonList : FileKind::kJson;
+}
+
 constexpr int kDeepest = 6;  // folders below the one that is asked for
 
 }  // namespace
@@ -237,36 +252,21 @@ FileKind KindOf(std::string_view bytes) {
   if (SameWord(bytes.substr(0, std::string_view("HIERARCHY").size()), "HIERARCHY")) return FileKind::kBvh;
   if (StartsWith(bytes, "ply\n") || StartsWith(bytes, "ply\r")) return FileKind::kPly;
   if (StartsWith(bytes, "# .PCD") || StartsWith(bytes, "VERSION ")) return FileKind::kPcd;
-  if (StartsWith(bytes, "%YAML:1.0")) return FileKind::kOpenCvYaml;
-  if (bytes[0] == '{') return FileKind::kJson;
-  if (bytes[0] == '<') return FileKind::kXml;
+  if (StartsWith(bytes, "%YAML:1.0")) return FileKind::kOpenCvStorage;
+  if (bytes[0] == '{') return JsonKind(bytes);
+  if (bytes[0] == '<')
+    return bytes.find("<opencv_storage") == std::string_view::npos ? FileKind::kXml : FileKind::kOpenCvStorage;
   const std::vector<std::string_view> lines = LinesOf(bytes);
   if (const FileKind acclaim = AcclaimKind(lines); acclaim != FileKind::kUnknown) return acclaim;
   if (IsBareAmc(lines)) return FileKind::kAmc;
-  if (bytes[0] == '[' && BeginsAsJsonList(bytes)) return FileKind::kJson;
+  if (bytes[0] == '[' && BeginsAsJsonList(bytes)) return JsonKind(bytes);
   if (bytes[0] == '[' && lines[0].back() == ']' && lines[0].find('"') == std::string_view::npos) return FileKind::kToml;
   // A storage whose first line is damaged: its reader says so.
-  if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvYaml;
+  if (bytes.find("opencv-matrix") != std::string_view::npos) return FileKind::kOpenCvStorage;
   if (std::find(lines.begin(), lines.end(), "endheader") != lines.end()) return FileKind::kOpenSim;
   if (IsNtuSkeleton(lines)) return FileKind::kNtuSkeleton;
   if (IsTrajectory(lines)) return FileKind::kUnknown;
   return IsTableWithHeader(lines) ? FileKind::kNumbers : NumbersKind(bytes);
-}
-
-JsonKind JsonKindOf(std::string_view bytes) {
-  bytes = WithoutByteOrderMark(bytes);
-  TopKeys keys;
-  nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
-  const auto has = [&](const char* key) { return keys.top.count(key) > 0; };
-  if (has("k4abt_sdk_version") || (has("joint_names") && has("bone_list"))) return JsonKind::kAzureBodies;
-  if (keys.list && (has("keypoints3d") || has("keypoints"))) return JsonKind::kEasyMocap;
-  if (has("people") || keys.keypoints) return JsonKind::kOpenPose;
-  if (has("bodies")) return JsonKind::kPanopticBodies;
-  if (has("views") && has("frames")) return JsonKind::kDepthSequence;
-  if (has("views") && has("depth_unit")) return JsonKind::kDepthStill;
-  if (keys.top.size() == 2 && has("content") && has("style")) return JsonKind::kBandaiLabel;
-  if (keys.below.count("babel_sid") > 0) return JsonKind::kBabel;
-  return keys.list ? JsonKind::kList : JsonKind::kOther;
 }
 
 Expected<std::vector<FolderFile>> FilesToInspect(const std::filesystem::path& path) {

@@ -11,13 +11,12 @@
 
 namespace mocurate {
 
-/// What a file is, by its first bytes.
+/// What a file is, by its content.
 enum class FileKind {
   kUnknown,
   kEmpty,
   kBvh,
   kNpy,
-  kJson,
   kNumbers,
   kNtuSkeleton,
   kAsf,
@@ -28,34 +27,29 @@ enum class FileKind {
   kPly,
   kPcd,
   kXml,
-  kOpenCvYaml,
+  kOpenCvStorage,  ///< YAML or XML
   kToml,
   kPng,
   kJpeg,
-  kVideo,   ///< AVI, MP4 and its kin, Matroska, MPEG
-  kSniffed  ///< recognised by a format's driver, not by its first bytes
-};
-
-constexpr std::size_t kKindHead = 8192;  ///< bytes at the start of a file that KindOf looks at
-
-FileKind KindOf(std::string_view bytes);
-
-/// What a JSON file is, by its keys; kOther: none of these, it may be a calibration.
-enum class JsonKind {
-  kOther,
+  kVideo,  ///< AVI, MP4 and its kin, Matroska, MPEG
+  kJson,   ///< of none of those below: it may be a calibration
   kDepthSequence,
   kDepthStill,
   kOpenPose,
   kPanopticBodies,
   kBabel,
   kBandaiLabel,
-  kList,        ///< another list: EasyMocap writes [] for a frame without people
+  kJsonList,
   kEasyMocap,   ///< people of EasyMocap, or of a list of COCO's keypoints
   kAzureBodies  ///< body tracking of the Azure Kinect
 };
 
-/// Reads no further than it must: at most 64 keys of the top object. kOther for what is no JSON.
-JsonKind JsonKindOf(std::string_view bytes);
+constexpr std::size_t kKindHead = 8192;  ///< bytes at the start of a file that tell most kinds
+
+/// By the first kKindHead bytes; of JSON by up to 64 keys of the top object, for which the whole file may be needed.
+FileKind KindOf(std::string_view bytes);
+
+inline bool IsJson(FileKind kind) { return kind >= FileKind::kJson; }
 
 /// The file, or the files of a folder down to six folders below it, sorted by name. Error kUnreadable.
 Expected<std::vector<FolderFile>> FilesToInspect(const std::filesystem::path& path);

@@ -37,16 +37,6 @@ void AddError(const Error& error, const std::string& file, const std::string& co
   if (std::find(findings.begin(), findings.end(), finding) == findings.end()) findings.push_back(std::move(finding));
 }
 
-std::string CodeOf(const Error& error, FileKind kind) {
-  if (kind == FileKind::kEmpty) return "empty_file";
-  if (kind == FileKind::kUnknown) return "unknown_format";
-  const char* format = kind == FileKind::kNumbers       ? "joint_table"
-                       : kind == FileKind::kNtuSkeleton ? "ntu_skeleton"
-                       : kind == FileKind::kNpy         ? "npy"
-                                                        : "";
-  return FaultCode(error, format);
-}
-
 /// What is being looked at, and what was found so far.
 class Inspector {
  public:
@@ -61,8 +51,14 @@ class Inspector {
   Inspection inspection;
 
  private:
-  Status Read(const FolderFile& file, FileKind kind);
-  void Refuse(const FolderFile& file, FileKind kind, const Error& error);
+  /// What a file is: its kind, and its format where a driver reads it.
+  struct Content {
+    FileKind kind = FileKind::kUnknown;
+    const FormatDriver* format = nullptr;
+    bool unknown() const { return kind == FileKind::kUnknown && format == nullptr; }
+  };
+  Status Read(const FolderFile& file, Content& content);
+  void Refuse(const FolderFile& file, const Content& content, const Error& error);
   Status AddStoragesBeside(const FolderFile& file);
   std::string Below(const std::string& name) const;
   std::string PlaceOfClip(const ItemSpec& item) const;
@@ -85,7 +81,7 @@ class Inspector {
   /// Files that could not be read, which may be frames of a sequence.
   struct Refused {
     FolderFile file;
-    FileKind kind;
+    Content content;
     Error error;
   };
   std::vector<Refused> refused_;
@@ -99,24 +95,28 @@ std::filesystem::path WholePath(const std::filesystem::path& path) {
 }
 
 /// Into the sequences, or at once.
-Status Inspector::Read(const FolderFile& file, FileKind kind) {
-  const Expected<std::string> bytes = ReadFile(file.path);
-  if (!bytes) return Forward(bytes);
-  const FileBytes content{*bytes, file.name, file.path};
-  if (kind == FileKind::kPng) {
-    if (Status whole = CheckPng(*bytes, file.name); !whole) return whole;
-    sequences_.AddImage(content, true);
-    return {};
+Status Inspector::Read(const FolderFile& file, Content& content) {
+  const Expected<std::string> read = ReadFile(file.path);
+  if (!read) return Forward(read);
+  const FileBytes bytes{*read, file.name, file.path};
+  content.kind = KindOf(*read);
+  content.format = RecogniseFormat(bytes, content.kind);
+  switch (content.kind) {
+    case FileKind::kPng:
+      if (Status whole = CheckPng(*read, file.name); !whole) return whole;
+      sequences_.AddImage(bytes, true);
+      return {};
+    case FileKind::kOpenPose:
+      return sequences_.AddOpenPose(bytes);
+    case FileKind::kPanopticBodies:
+      return sequences_.AddPanoptic(bytes);
+    case FileKind::kOpenCvStorage:
+      if (Status added = sequences_.AddOpenCv(bytes); !added) return added;
+      return folder_ ? Status() : AddStoragesBeside(file);
+    default:
+      break;
   }
-  const JsonKind json = kind == FileKind::kJson ? JsonKindOf(*bytes) : JsonKind::kOther;
-  if (json == JsonKind::kOpenPose) return sequences_.AddOpenPose(content);
-  if (json == JsonKind::kPanopticBodies) return sequences_.AddPanoptic(content);
-  const bool storage = kind == FileKind::kXml && bytes->find("<opencv_storage") != std::string::npos;
-  if (storage || kind == FileKind::kOpenCvYaml) {
-    if (Status added = sequences_.AddOpenCv(content); !added) return added;
-    return folder_ ? Status() : AddStoragesBeside(file);
-  }
-  const Expected<RawFile> observed = ReadRawFile(content);
+  const Expected<RawFile> observed = ReadRawFile(bytes, content.kind);
   if (!observed) return Forward(observed);
   Add(*observed, file.name);
   return {};
@@ -127,8 +127,7 @@ Status Inspector::AddStoragesBeside(const FolderFile& file) {
   for (const std::filesystem::path& path : EntriesOf(file.path.has_parent_path() ? file.path.parent_path() : ".")) {
     if (path.extension() != file.path.extension() || path.filename() == file.path.filename()) continue;
     const Expected<std::string> head = ReadHead(path);
-    if (!head || (KindOf(*head) != FileKind::kOpenCvYaml && head->find("<opencv_storage") == std::string::npos))
-      continue;
+    if (!head || KindOf(*head) != FileKind::kOpenCvStorage) continue;
     const Expected<std::string> bytes = ReadFile(path);
     if (!bytes) return Forward(bytes);
     sequences_.AddBeside({*bytes, DisplayPath(path.filename()), path});
@@ -304,18 +303,14 @@ void Inspector::Look(const FolderFile& file) {
   const std::uintmax_t size = std::filesystem::file_size(file.path, unknown);
   const Expected<std::string> head = ReadHead(file.path);
   if (!head) return AddError(head.error(), file.name, "unreadable", findings());
-  FileKind kind = KindOf(*head);
-  if (kind == FileKind::kUnknown || kind == FileKind::kNumbers) {
-    const FormatDriver* format = RecogniseFormat({*head, file.name, file.path});
-    if (format != nullptr && format->sniff != nullptr)
-      kind = format->kind == FileKind::kUnknown ? FileKind::kSniffed : format->kind;
-  }
-  if (folder_ && kind == FileKind::kUnknown) {
-    refused_.push_back({file, kind, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
+  Content content{KindOf(*head), nullptr};
+  content.format = RecogniseFormat({*head, file.name, file.path}, content.kind);
+  if (folder_ && content.unknown()) {
+    refused_.push_back({file, content, {ErrorCode::kUnsupported, "is of no known format", file.name, "copy it again"}});
     return;
   }
-  if (kind == FileKind::kVideo) return videos_.push_back(file);
-  if (kind == FileKind::kJpeg) {
+  if (content.kind == FileKind::kVideo) return videos_.push_back(file);
+  if (content.kind == FileKind::kJpeg) {
     if (!EndsAsJpeg(file.path)) {
       AddError({ErrorCode::kMalformed, "the image is cut off: its end marker is missing", file.name, "copy it again"},
                file.name, "malformed", findings());
@@ -326,17 +321,17 @@ void Inspector::Look(const FolderFile& file) {
     return AddError({ErrorCode::kUnsupported, "the file is larger than 1 GiB", file.name, ""}, file.name, "too_large",
                     findings());
   }
-  const Status read = Read(file, kind);
+  const Status read = Read(file, content);
   if (read) return;
   if (folder_ && file.path.extension() == ".json")
-    refused_.push_back({file, kind, read.error()});
+    refused_.push_back({file, content, read.error()});
   else
-    Refuse(file, kind, read.error());
+    Refuse(file, content, read.error());
 }
 
-void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error) {
+void Inspector::Refuse(const FolderFile& file, const Content& content, const Error& error) {
   if (refused_by_run_.count(WholePath(file.path)) != 0) return;
-  if (folder_ && kind == FileKind::kUnknown) {
+  if (folder_ && content.unknown()) {
     others_.push_back(file.name);
     return;
   }
@@ -344,18 +339,22 @@ void Inspector::Refuse(const FolderFile& file, FileKind kind, const Error& error
   if (code == ErrorCode::kUnreadable || code == ErrorCode::kNotFound)
     return AddError(error, file.name, "unreadable", findings());
   // Text in brackets and XML may be anything, but not where it speaks of cameras or is BABEL's.
-  bool common = kind == FileKind::kJson || kind == FileKind::kXml || kind == FileKind::kToml;
+  const FileKind kind = content.kind;
+  bool common = kind == FileKind::kXml || kind == FileKind::kToml || (IsJson(kind) && kind != FileKind::kBabel);
   if (common) {
     const Expected<std::string> bytes = ReadFile(file.path);
-    const bool babel = bytes && kind == FileKind::kJson && JsonKindOf(*bytes) == JsonKind::kBabel;
-    common = !bytes || (!babel && !LooksLikeCalibration(*bytes));
+    common = !bytes || !LooksLikeCalibration(*bytes);
   }
   if (folder_ && (code == ErrorCode::kUnsupported || common) && error.reason != Reason::kUnsafePickle) {
     others_.push_back(file.name);
-    if (code != ErrorCode::kUnsupported || kind == FileKind::kJson) reasons_[error.what].push_back(file.name);
+    if (code != ErrorCode::kUnsupported || IsJson(kind)) reasons_[error.what].push_back(file.name);
     return;
   }
-  AddError(error, file.name, CodeOf(error, kind), findings());
+  const char* format = content.format != nullptr ? content.format->name : "";
+  const std::string code_of = kind == FileKind::kEmpty ? "empty_file"
+                              : content.unknown()      ? "unknown_format"
+                                                       : FaultCode(error, format);
+  AddError(error, file.name, code_of, findings());
 }
 
 /// What stands beside clips does not make them mixed.
@@ -384,7 +383,7 @@ std::string CommonReason(const std::map<std::string, std::vector<std::string>>& 
 
 void Inspector::Finish(const std::string& path) {
   for (const Refused& refused : refused_) {
-    if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.kind, refused.error);
+    if (!sequences_.Claim(refused.file.name, refused.error)) Refuse(refused.file, refused.content, refused.error);
   }
   for (const auto& [folder, file] : sequences_.Finish(folder_)) Add(file, folder.empty() ? path : folder);
   AddVideos();

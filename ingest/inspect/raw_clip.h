@@ -23,8 +23,9 @@ struct RawClip {
   std::string format;
   int frames = 0;
   int joints = 0;
-  int people = 1;         ///< most in one frame
-  int fewest_people = 1;  ///< in one frame
+  bool joints_measured = false;  ///< nothing in the file says how many
+  int people = 1;                ///< most in one frame
+  int fewest_people = 1;         ///< in one frame
   std::string people_evidence = "files of this format hold one person";
   JointPositions positions;        ///< empty where the file holds none, or only with what it does not hold
   std::vector<double> confidence;  ///< (frames*joints); 0: missing
@@ -44,7 +45,6 @@ struct RawClip {
   std::string missing_evidence;         ///< of what that is the share; without one, why it is unknown; or empty
   double guessed_share = 0.0;           ///< of joints: they have a place, and a number behind it that is 0
   bool lengths_assumed = false;         ///< positions are of a body of standard size: no unit is measured of them
-  JointPositions posed;  ///< metres, file axes; of the body, where positions are of markers on it; or empty
   std::optional<RootScale> root_scale;  ///< where the path of the root and the bones come from different places
   std::string silence = "no joints";    ///< why nothing can be measured without positions
   /// What else the file says: ("gender", "male").

@@ -6,7 +6,6 @@
 #include <string>
 #include <tuple>
 
-#include "core/base/median.h"
 #include "core/base/text.h"
 #include "core/formats/camera_files.h"
 #include "core/formats/png.h"
@@ -19,26 +18,6 @@
 
 namespace mocurate {
 namespace {
-
-/// Frames per second by the files' clock. Files may be missing: the usual step, their median, tells how many moments
-/// lie between two of them. 0: unknown.
-double RateByClock(const std::vector<PanopticBodies>& scenes) {
-  std::vector<double> steps_ms;
-  double last_ms = 0.0;
-  for (const PanopticBodies& scene : scenes) {
-    if (scene.time_ms <= 0.0) continue;
-    if (last_ms > 0.0 && scene.time_ms > last_ms) steps_ms.push_back(scene.time_ms - last_ms);
-    last_ms = scene.time_ms;
-  }
-  if (steps_ms.empty()) return 0.0;
-  const double usual_ms = Median(steps_ms);
-  double moments = 0.0, span_ms = 0.0;
-  for (const double step : steps_ms) {
-    moments += std::round(step / usual_ms);
-    span_ms += step;
-  }
-  return 1000.0 * moments / span_ms;
-}
 
 /// The usual number of points of people who have any; 0: none has.
 std::size_t UsualPoints(const std::vector<OpenPoseFrame>& frames) {

@@ -57,6 +57,7 @@ Expected<TableReading> NamedLayout(const JointTable& rows, std::vector<HeaderCol
   reading.clip = ReadPoints(rows, reading.layout);
   FollowFormat(said->skeleton, said->joints, "the header's names", reading.clip);
   reading.clip.units = said->units;
+  reading.clip.joints_measured = false;
   return reading;
 }
 

@@ -22,28 +22,6 @@ Expected<RawFile> BandaiLabelIn(const FileBytes& file) {
        {{"content", static_cast<double>(label->content)}, {"style", static_cast<double>(label->style)}}});
 }
 
-Expected<RawFile> JsonIn(const FileBytes& file) {
-  const JsonKind kind = JsonKindOf(file.bytes);
-  if (kind == JsonKind::kBabel) return ReadRawBabel(file);
-  const auto refuse = [&](const char* what, const char* hint) {
-    return Fail(ErrorCode::kUnsupported, what, file.name, hint);
-  };
-  if (kind == JsonKind::kList && Trim(file.bytes).size() < 8) {
-    return refuse("an empty JSON list: no person is there, as EasyMocap writes it",
-                  "EasyMocap's keypoints are not read: export its motion as BVH, or the points as a table");
-  }
-  if (kind == JsonKind::kList) return refuse("a JSON list of no known format", "docs/inspect.md lists the formats");
-  if (kind == JsonKind::kEasyMocap) {
-    return refuse("a JSON list of people with keypoints, as EasyMocap and COCO's programs write them: not read",
-                  "write the points as a table of a row a frame, or as OpenPose's JSON files");
-  }
-  if (kind == JsonKind::kAzureBodies) {
-    return refuse("body tracking of the Azure Kinect: not read",
-                  "write its joint positions as a table, millimetres, with the joints' names in a header");
-  }
-  return kind == JsonKind::kBandaiLabel ? BandaiLabelIn(file) : ReadRawCalibration(file);
-}
-
 /// Why a text whose second line is nearly all numbers is no table: words between them, or semicolons.
 std::optional<Error> FaultOfTable(const FileBytes& file) {
   constexpr int kFewestNumbers = 6;
@@ -85,10 +63,12 @@ Expected<RawFile> ReadRawCalibration(const FileBytes& file) {
   return observed;
 }
 
-Expected<RawFile> ReadRawFile(const FileBytes& file) {
-  const FileKind kind = KindOf(file.bytes);
-  const FormatDriver* format = RecogniseFormat(file);
+Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind) {
+  const FormatDriver* format = RecogniseFormat(file, kind);
   if (format != nullptr && format->read_raw != nullptr) return format->read_raw(file);
+  const auto refuse = [&](const char* what, const char* hint) {
+    return Fail(ErrorCode::kUnsupported, what, file.name, hint);
+  };
   switch (kind) {
     case FileKind::kOpenSim:
       return ReadRawOpenSim(file);
@@ -96,13 +76,27 @@ Expected<RawFile> ReadRawFile(const FileBytes& file) {
     case FileKind::kToml:
       return ReadRawCalibration(file);
     case FileKind::kJson:
-      return JsonIn(file);
+      return ReadRawCalibration(file);
+    case FileKind::kBabel:
+      return ReadRawBabel(file);
+    case FileKind::kBandaiLabel:
+      return BandaiLabelIn(file);
+    case FileKind::kJsonList:
+      if (Trim(file.bytes).size() < 8)
+        return refuse("an empty JSON list: no person is there, as EasyMocap writes it",
+                      "EasyMocap's keypoints are not read: export its motion as BVH, or the points as a table");
+      return refuse("a JSON list of no known format", "docs/inspect.md lists the formats");
+    case FileKind::kEasyMocap:
+      return refuse("a JSON list of people with keypoints, as EasyMocap and COCO's programs write them: not read",
+                    "write the points as a table of a row a frame, or as OpenPose's JSON files");
+    case FileKind::kAzureBodies:
+      return refuse("body tracking of the Azure Kinect: not read",
+                    "write its joint positions as a table, millimetres, with the joints' names in a header");
     case FileKind::kEmpty:
       return EmptyFile(file.name);
     default:
       if (auto fault = FaultOfTable(file)) return tl::unexpected<Error>(*std::move(fault));
-      return Fail(ErrorCode::kUnsupported, "the content is not one of the known formats", file.name,
-                  "docs/inspect.md lists them");
+      return refuse("the content is not one of the known formats", "docs/inspect.md lists them");
   }
 }
 

@@ -17,6 +17,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/vibe_pickle.h"
 #include "ingest/checks/keypoint_checks.h"
+#include "ingest/inspect/file_kind.h"
 #include "ingest/inspect/inspection.h"
 #include "ingest/inspect/raw_clip.h"
 #include "ingest/sources/array_clips.h"
@@ -136,15 +137,18 @@ class RawSequences {
   std::map<std::string, Folder> folders_;
 };
 
-/// One file of any format but those of RawSequences. Errors of the formats; kUnsupported for content that is no
+/// One file of any kind but those of RawSequences. Errors of the formats; kUnsupported for content that is no
 /// motion.
-Expected<RawFile> ReadRawFile(const FileBytes& file);
+Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind);
 
 /// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name);
 Expected<RawFile> ReadRawTable(const FileBytes& file);
 /// "decimal_comma": a table with decimal commas, which are read as points.
 Finding DecimalCommas();
+/// Frames per second by the clock of CMU Panoptic's files. Files may be missing: the usual step, their median, tells
+/// how many moments lie between two of them. 0: unknown.
+double RateByClock(const std::vector<PanopticBodies>& scenes);
 /// The joints of a file of `mocurate export`, as it names them.
 Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::string& name);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.

@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "core/formats/point_cloud.h"
 #include "core/quality/tracked_points.h"
+#include "ingest/formats/driver.h"
 #include "ingest/inspect/calibration_estimate.h"
 #include "ingest/inspect/clip_report.h"
 #include "ingest/inspect/comparison.h"
@@ -86,7 +87,7 @@ struct Motions {
 
   explicit Motions(const Inspection& inspection) {
     for (const InspectedClip& clip : inspection.clips) {
-      if (clip.format == "amass") Add(clip.file, &clip);
+      if (DriverOf(clip.format).HasOption("annotations")) Add(clip.file, &clip);
     }
     if (files.empty()) return;
     for (const Finding& finding : inspection.findings) {  // a file that cannot be read is there

@@ -338,6 +338,7 @@ RawClip ReadPoints(const JointTable& rows, const RowLayout& layout) {
   RawClip clip;
   clip.format = "joint_table";
   clip.joints = layout.joints;
+  clip.joints_measured = true;
   std::vector<double> points;
   const std::vector<JointPlace> places = PlacesOf(layout);
   for (int f = 0; f < FramesOf(rows, layout); ++f) {

@@ -1,7 +1,6 @@
 // Cameras far from the rest of their rig, and implausible focal lengths.
 
 #include "tests/ingest/changed_files.h"
-#include "tests/support/amass_writer.h"
 
 namespace mocurate {
 namespace {
@@ -75,24 +74,6 @@ TEST_F(CameraPlaces, ReportInvalidCamerasWithTheirPlace) {
   Json dome = Panoptic();
   dome["cameras"][3]["K"][0][0] = -1400;
   expect(dome, "cameras.json:/cameras/3/K");
-}
-
-TEST_F(CameraPlaces, ReportAmassMarkersInMillimetresAndNotTheBody) {
-  Amass amass = *ParseAmass(Recorded("amass_babel/amass_sample.npz"), "sample.npz");
-  const auto findings = [&] {
-    return InspectPath(Written("motion.npz", *EncodeNpz(AmassWithMarkers(amass), "motion.npz")), std::nullopt);
-  };
-  EXPECT_THAT(Codes(findings(), "error"), IsEmpty());
-  // The second factor multiplies the scaled markers.
-  for (const auto& [factor, value] : {std::pair{1000.0, 1000.0}, {0.1, 100.0}}) {
-    for (double& marker : amass.marker_data_m) marker *= factor;
-    const Json inspection = findings();
-    ASSERT_THAT(Codes(inspection, "error"), ElementsAre("units_contradiction")) << inspection.at("findings").dump(1);
-    const Json finding = FindingsOf(inspection, "units_contradiction").at(0);
-    EXPECT_NEAR(finding.at("value"), value, 0.1 * value);
-    EXPECT_THAT(finding.at("message"), HasSubstr("marker_data"));
-    EXPECT_EQ(Value(inspection.at("clips").at(0), "up"), "+z") << "up of the body";
-  }
 }
 
 }  // namespace
