@@ -342,6 +342,27 @@ Expected<JointLayout> ParseJointLayout(std::string_view text, const std::string&
   return layout;
 }
 
+Expected<JointRows> RowsOf(const JointTable& table, const JointLayout& layout, const std::string& name) {
+  const auto numbers = static_cast<std::size_t>(layout.NumbersPerFrame());
+  const std::size_t frames = table.values.size() / numbers;
+  JointRows rows;
+  rows.frames = static_cast<int>(frames);
+  rows.joints = layout.Joints();
+  const std::size_t joints = frames * static_cast<std::size_t>(rows.joints);
+  rows.position.resize(joints * 3);
+  if (Has(layout, JointColumn::kConfidence)) rows.confidence.resize(joints, 1.0);
+  if (Has(layout, JointColumn::kRotation)) rows.rotation.resize(joints * 9);
+  if (Has(layout, JointColumn::kRotationConfidence)) rows.rotation_confidence.resize(joints);
+  if (layout.Counter() != JointColumn::kSkip) rows.counter.resize(frames);
+  for (int f = 0; f < rows.frames; ++f) {
+    if (PlaceFrame(layout, &table.values[static_cast<std::size_t>(f) * numbers], f, rows)) continue;
+    return Fail(ErrorCode::kInconsistent,
+                "the rows of frame " + std::to_string(f) + " repeat different numbers or times of it", name,
+                "a row is lost or repeated: compare the file with its source, or correct rows_per_frame");
+  }
+  return rows;
+}
+
 Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& layout, JointTableLayout table,
                                    const std::string& name, double rate_hz) {
   const int numbers = layout.NumbersPerFrame();
@@ -355,28 +376,12 @@ Expected<JointRows> ParseJointRows(std::string_view bytes, const JointLayout& la
   table.column_names = ColumnNames(layout, table.columns);
   Expected<JointTable> read = ParseJointTable(bytes, table, name);
   if (!read) return Forward(read);
-  const std::vector<std::string> names = read->names();
-  JointRows rows;
-  rows.frames = read->frames;
-  rows.joints = layout.Joints();
-  rows.rows_left_over = read->rows_left_over;
-  rows.findings = std::move(read->findings);
-  rows.header = std::move(read->header);
-  const std::size_t frames = static_cast<std::size_t>(rows.frames);
-  const std::size_t joints = frames * static_cast<std::size_t>(rows.joints);
-  rows.position.resize(joints * 3);
-  if (Has(layout, JointColumn::kConfidence)) rows.confidence.resize(joints, 1.0);
-  if (Has(layout, JointColumn::kRotation)) rows.rotation.resize(joints * 9);
-  if (Has(layout, JointColumn::kRotationConfidence)) rows.rotation_confidence.resize(joints);
-  if (layout.Counter() != JointColumn::kSkip) rows.counter.resize(frames);
-  for (int f = 0; f < rows.frames; ++f) {
-    const double* values = &read->values[static_cast<std::size_t>(f) * static_cast<std::size_t>(numbers)];
-    if (PlaceFrame(layout, values, f, rows)) continue;
-    return Fail(ErrorCode::kInconsistent,
-                "the rows of frame " + std::to_string(f) + " repeat different numbers or times of it", name,
-                "a row is lost or repeated: compare the file with its source, or correct rows_per_frame");
-  }
-  if (Status laid = LayOut(layout, names, rate_hz, name, rows); !laid) return Forward(laid);
+  Expected<JointRows> rows = RowsOf(*read, layout, name);
+  if (!rows) return rows;
+  rows->rows_left_over = read->rows_left_over;
+  rows->findings = std::move(read->findings);
+  rows->header = read->header;
+  if (Status laid = LayOut(layout, read->names(), rate_hz, name, *rows); !laid) return Forward(laid);
   return rows;
 }
 

@@ -67,6 +67,10 @@ struct JointRows {
                                   ///< "time_gap": frames without a row, which are NaN in their place
 };
 
+/// The numbers of a table, frame after frame, as far as there are whole frames; they are laid out by no counter yet.
+/// Error kInconsistent where the rows of a frame have different numbers or times.
+Expected<JointRows> RowsOf(const JointTable& table, const JointLayout& layout, const std::string& name);
+
 /// `table` declares how the text is split into rows (separator, missing, END, damaged rows); its rows_per_frame must
 /// divide the numbers of a frame; its columns and names follow from the layout. `rate_hz` is the declared one, 0: none.
 /// Errors are those of ParseJointTable, PlacesByNumber and PlacesByClock; kUsage for a layout that does not fit

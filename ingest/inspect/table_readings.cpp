@@ -17,67 +17,18 @@ constexpr int kMostTableJoints = 60;
 
 constexpr const char* kCad60 = "frame 11*(rotation rotation_confidence x y z confidence) 4*(x y z confidence)";
 
-/// Of each number of a frame: the column of its joint, kSkip for what is none, and the joint.
-struct FrameNumber {
-  JointColumn column = JointColumn::kSkip;
-  int joint = -1;
-};
-
-std::vector<FrameNumber> NumbersOf(const RowLayout& layout) {
-  std::vector<FrameNumber> numbers;
-  const Expected<JointLayout> parsed = ParseJointLayout(WithFilledIn(layout.Text(), "skip"), "");
-  if (!parsed) return numbers;
-  int joint = 0;
-  for (const JointGroup& group : parsed->groups) {
-    for (int i = 0; i < group.count; ++i) {
-      for (const JointColumn column : group.columns) {
-        numbers.insert(numbers.end(), column == JointColumn::kRotation ? 9 : 1, {column, group.IsJoint() ? joint : -1});
-      }
-      joint += group.IsJoint() ? 1 : 0;
-    }
-  }
-  return numbers;
+/// The numbers of the joints. What nothing says of them stands as confidences.
+JointRows RowsIn(const JointTable& rows, const RowLayout& layout) {
+  const Expected<JointLayout> parsed = ParseJointLayout(WithFilledIn(layout.Text(), "confidence"), "");
+  return parsed ? RowsOf(rows, *parsed, "").value_or(JointRows()) : JointRows();
 }
 
-/// The columns of each joint's coordinates and of what stands behind them in a frame's numbers; -1: none.
-struct JointPlace {
-  int axis[3] = {-1, -1, -1};
-  int confidence = -1;
-  int open = -1;  ///< of which nothing says what it is
-};
-
-std::vector<JointPlace> PlacesOf(const RowLayout& layout) {
-  std::vector<JointPlace> places(static_cast<std::size_t>(layout.joints));
-  const std::vector<FrameNumber> numbers = NumbersOf(layout);
-  for (std::size_t n = 0; n < numbers.size(); ++n) {
-    if (numbers[n].joint < 0 || numbers[n].joint >= layout.joints) continue;
-    JointPlace& place = places[static_cast<std::size_t>(numbers[n].joint)];
-    if (numbers[n].column <= JointColumn::kZ)
-      place.axis[static_cast<std::size_t>(numbers[n].column)] = static_cast<int>(n);
-    if (numbers[n].column == JointColumn::kConfidence) place.confidence = static_cast<int>(n);
-    const std::size_t column = layout.columns.empty() ? 0 : n % layout.columns.size();
-    if (!layout.columns.empty() && layout.columns[column].word == kFillIn) place.open = static_cast<int>(n);
-  }
-  return places;
-}
-
-int FramesOf(const JointTable& rows, const RowLayout& layout) { return rows.frames / layout.rows_per_frame; }
-
-double NumberOf(const JointTable& rows, const RowLayout& layout, int frame, int number) {
+/// One number of every frame.
+std::vector<double> NumbersAt(const JointTable& rows, const RowLayout& layout, std::size_t number) {
   const auto wide = static_cast<std::size_t>(layout.rows_per_frame) * static_cast<std::size_t>(rows.columns);
-  return rows.values[static_cast<std::size_t>(frame) * wide + static_cast<std::size_t>(number)];
-}
-
-/// Whether the number behind x, y, z of every joint lies in 0..1 throughout, as a confidence does.
-bool MayBeConfidences(const JointTable& rows, const RowLayout& layout) {
-  const std::vector<JointPlace> places = PlacesOf(layout);
-  for (int f = 0; f < FramesOf(rows, layout); ++f) {
-    for (const JointPlace& place : places) {
-      const double value = place.open < 0 ? 0.0 : NumberOf(rows, layout, f, place.open);
-      if (!(value >= 0.0 && value <= 1.0)) return false;
-    }
-  }
-  return true;
+  std::vector<double> values;
+  for (std::size_t at = number; at + wide <= rows.values.size() + number; at += wide) values.push_back(rows.values[at]);
+  return values;
 }
 
 /// Joints whose confidence is 0 are missing where a known layout or a header says so. Of other tables nothing says that
@@ -87,21 +38,16 @@ void CountMissing(const JointTable& rows, const RowLayout& layout, RawClip& clip
   const auto samples = static_cast<double>(clip.confidence.size());
   const auto at_origin = std::count(clip.zeros.begin(), clip.zeros.end(), 1);
   if (at_origin > 0) clip.facts.emplace_back("at_origin", RoundedText(static_cast<double>(at_origin) / samples));
-  const std::vector<JointPlace> places = PlacesOf(layout);
-  const bool declared =
-      std::any_of(places.begin(), places.end(), [](const JointPlace& p) { return p.confidence >= 0; });
-  const bool open = std::any_of(places.begin(), places.end(), [](const JointPlace& p) { return p.open >= 0; });
-  if (!declared && (!open || !MayBeConfidences(rows, layout))) return;
-  std::size_t unsure = 0, missing = 0, placed = 0, at = 0;
-  for (int f = 0; f < FramesOf(rows, layout); ++f) {
-    for (const JointPlace& place : places) {
-      const bool seen = clip.confidence[at++] > 0.0;
-      const int number = declared ? place.confidence : place.open;
-      const bool none = number >= 0 && !(NumberOf(rows, layout, f, number) > 0.0);
-      unsure += none ? 1 : 0;
-      placed += none && seen ? 1 : 0;
-      missing += none || !seen ? 1 : 0;
-    }
+  const std::vector<double> numbers = RowsIn(rows, layout).confidence;
+  const bool declared = layout.Text().find("confidence") != std::string::npos;
+  const bool in_range = std::all_of(numbers.begin(), numbers.end(), [](double c) { return c >= 0.0 && c <= 1.0; });
+  if (numbers.size() != clip.confidence.size() || !(declared || in_range)) return;
+  std::size_t unsure = 0, missing = 0, placed = 0;
+  for (std::size_t at = 0; at < numbers.size(); ++at) {
+    const bool seen = clip.confidence[at] > 0.0, none = !(numbers[at] > 0.0);
+    unsure += none ? 1 : 0;
+    placed += none && seen ? 1 : 0;
+    missing += none || !seen ? 1 : 0;
   }
   if (unsure == 0) return;
   if (declared) {
@@ -126,9 +72,7 @@ std::vector<BesideColumn> ColumnsBeside(const JointTable& rows, const RowLayout&
   std::vector<BesideColumn> beside;
   for (std::size_t c = 0; c < layout.columns.size(); ++c) {
     if (!layout.columns[c].joint.empty() || !layout.columns[c].word.empty()) continue;
-    std::vector<double> values;
-    for (int f = 0; f < FramesOf(rows, layout); ++f) values.push_back(NumberOf(rows, layout, f, static_cast<int>(c)));
-    beside.push_back({c, EstimateCounter(values, CounterNameOf(layout.columns[c].cell))});
+    beside.push_back({c, EstimateCounter(NumbersAt(rows, layout, c), CounterNameOf(layout.columns[c].cell))});
   }
   return beside;
 }
@@ -146,9 +90,7 @@ const BesideColumn* CounterOf(const std::vector<BesideColumn>& columns) {
 /// Names the column that counts the frames, with what it says of the rate; the others are passed over.
 void NameCounter(const JointTable& rows, RowLayout& layout, RawClip& clip) {
   if (layout.fixed == kCad60) {
-    std::vector<double> numbers;
-    for (int f = 0; f < FramesOf(rows, layout); ++f) numbers.push_back(NumberOf(rows, layout, f, 0));
-    if (EstimateCounter(numbers).counter != Counter::kFrames) layout.fixed.replace(0, 5, "skip");
+    if (EstimateCounter(NumbersAt(rows, layout, 0)).counter != Counter::kFrames) layout.fixed.replace(0, 5, "skip");
   }
   const std::vector<BesideColumn> beside = ColumnsBeside(rows, layout);
   for (const BesideColumn& column : beside) layout.columns[column.number].word = "skip";
@@ -339,24 +281,18 @@ RawClip ReadPoints(const JointTable& rows, const RowLayout& layout) {
   clip.format = "joint_table";
   clip.joints = layout.joints;
   clip.joints_measured = true;
-  std::vector<double> points;
-  const std::vector<JointPlace> places = PlacesOf(layout);
-  for (int f = 0; f < FramesOf(rows, layout); ++f) {
-    for (const JointPlace& place : places) {
-      for (const int number : place.axis) points.push_back(NumberOf(rows, layout, f, number));
-    }
-  }
-  clip.TakePoints(FramesOf(rows, layout), points);
+  const JointRows points = RowsIn(rows, layout);
+  clip.TakePoints(points.frames, points.position);
   return clip;
 }
 
 void DeclareLayout(const JointTable& rows, RowLayout& layout, RawClip& clip) {
+  CountMissing(rows, layout, clip);
   NameCounter(rows, layout, clip);
   clip.layout_evidence = layout.words + (clip.rate_evidence.empty() ? "" : "; " + clip.rate_evidence);
   const bool by_columns = layout.rows_per_frame > 1;
   clip.facts.emplace_back(by_columns ? "columns" : "layout",
                           by_columns ? JoinTexts(WordsOf(layout.columns), ", ") : layout.Text());
-  CountMissing(rows, layout, clip);
 }
 
 std::string RowWords(int rows, int joints, int columns) {
