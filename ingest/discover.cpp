@@ -5,6 +5,7 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
+#include "ingest/chosen_clips.h"
 #include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/grouped_files.h"
@@ -86,7 +87,7 @@ std::string StemOf(const std::string& name) { return std::filesystem::path(name)
 /// Whether a folder lies in one that is named like the recording of a clip: what is there are parts of it.
 bool BelongsToClip(const std::string& folder, const std::vector<ItemSpec>& items) {
   std::set<std::string> recordings;
-  for (const ItemSpec& item : items) recordings.insert(item.item.substr(item.item.rfind('/') + 1));
+  for (const ItemSpec& item : items) recordings.insert(RecordingOf(item));
   const std::vector<std::string_view> parts = SplitText(folder, '/');
   return std::any_of(parts.begin(), parts.end(),
                      [&](std::string_view part) { return recordings.count(std::string(part)) != 0; });
@@ -112,7 +113,7 @@ class ClipFinder {
  private:
   void Exclude(const std::filesystem::path& file, ItemResult result);
   std::optional<NamedFile> Name(const std::string& name, bool matches, const std::filesystem::path& file,
-                                Status& broken);
+                                ItemFacts& facts, Status& broken);
   bool SetLabel(const std::string& text, const std::string& name, const std::filesystem::path& file, ItemFacts& facts);
   Status TakeFile(const FolderFile& file);
   bool AddCompanions(const FolderFile& file, const NamedFile& named, ItemSpec& item);
@@ -144,7 +145,7 @@ void ClipFinder::Exclude(const std::filesystem::path& file, ItemResult result) {
 
 /// What a name says of its clip; nothing where it is excluded, which is reported. `matches`: the pattern.
 std::optional<NamedFile> ClipFinder::Name(const std::string& name, bool matches, const std::filesystem::path& file,
-                                          Status& broken) {
+                                          ItemFacts& facts, Status& broken) {
   Expected<NamedFile> named = ReadName(source_, name);
   if (!named && named.error().code == ErrorCode::kConfig) {
     broken = Forward(named);
@@ -166,11 +167,13 @@ std::optional<NamedFile> ClipFinder::Name(const std::string& name, bool matches,
     Exclude(file, ExcludedFile(named->item(), name, "excluded", excluded->second, "ingest.source.exclude names it"));
     return std::nullopt;
   }
-  if (const auto issue = known_issues_.Find(recording); issue && source_.known_issues == KnownIssueAction::kDrop) {
+  const std::optional<KnownIssue> issue = known_issues_.Find(recording);
+  if (issue && source_.known_issues == KnownIssueAction::kDrop) {
     Exclude(file, ExcludedFile(named->item(), name, "known_issue", TextOf(*issue),
                                "ingest.source.known_issues: report keeps such clips"));
     return std::nullopt;
   }
+  if (issue && source_.known_issues == KnownIssueAction::kReport) facts.known_issue = TextOf(*issue);
   if (!ambiguous) return *std::move(named);
   refuse();
   return std::nullopt;
@@ -180,11 +183,12 @@ std::optional<NamedFile> ClipFinder::Name(const std::string& name, bool matches,
 bool ClipFinder::SetLabel(const std::string& text, const std::string& name, const std::filesystem::path& file,
                           ItemFacts& facts) {
   Expected<std::string> label = LabelOf(source_, text, name);
+  facts.labelled = label.has_value();
   if (label)
     facts.label = *std::move(label);
   else
     Exclude(file, SkippedFile(name, source_, true, label.error()));
-  return label.has_value();
+  return facts.labelled;
 }
 
 Status ClipFinder::InContainer() {
@@ -199,14 +203,14 @@ Status ClipFinder::InContainer() {
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const ContainerEntry& entry = (*entries)[i];
     Status broken;
-    const std::optional<NamedFile> named = Name(entry.name, true, {}, broken);
+    ItemFacts facts;
+    const std::optional<NamedFile> named = Name(entry.name, true, {}, facts, broken);
     if (!broken) return broken;
     if (!named) continue;
     if (!entry.excluded.empty()) {
       Exclude({}, ExcludedFile(named->item(), entry.name, "excluded", entry.excluded, "as the set's papers do"));
       continue;
     }
-    ItemFacts facts;
     facts.entry = static_cast<std::int64_t>(i);
     facts.entry_name = entry.name;
     facts.most_frames = entry.frames;
@@ -246,9 +250,7 @@ bool ClipFinder::AddCompanions(const FolderFile& file, const NamedFile& named, I
     }
     item.inputs.push_back({"skeleton_file", skeleton->name, skeleton->path, ""});
   }
-  if (driver_.has_truth) {
-    discovery.truth.push_back(item);
-  }
+  if (driver_.has_truth) discovery.truth.push_back(item);
   if (depth_files_) depth_files_->AddTo(named.fields, item);
   return true;
 }
@@ -259,9 +261,11 @@ void ClipFinder::AddClips(const FolderFile& file, const NamedFile& named, ItemFa
   if (driver_.holds_clips) clips = ArrayClipsOf(file.path, file.name);
   if (clips.empty() || (clips.size() == 1 && clips[0].id.empty())) clips = {ArrayClip()};
   const bool whole = clips.size() == 1 && clips[0].id.empty();
-  const Expected<SkeletonPtr> skeleton = SourceSkeleton(source_);
-  const std::size_t own = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
-  const std::size_t wanted = source_.joints.empty() ? own : source_.joints.size();
+  std::size_t wanted = source_.joints.size();
+  if (!whole && source_.joints.empty()) {
+    const Expected<SkeletonPtr> skeleton = SourceSkeleton(source_);
+    wanted = skeleton && *skeleton ? (*skeleton)->joints.size() : 0;
+  }
   for (int body = 1; body <= named.bodies; ++body) {
     const Expected<NamedFile> person = ReadName(source_, file.name, body);
     discovery.persons.insert(person ? person->identity.person : named.identity.person);
@@ -272,8 +276,7 @@ void ClipFinder::AddClips(const FolderFile& file, const NamedFile& named, ItemFa
       one.item += RecordingSuffix(clip.id);
       ItemFacts of_clip = facts;
       of_clip.array = clip.id;
-      if (!clip.label.empty() && facts.label.empty() && !SetLabel(clip.label, file.name + clip.id, {}, of_clip))
-        continue;
+      if (!clip.label.empty() && !facts.labelled && !SetLabel(clip.label, file.name + clip.id, {}, of_clip)) continue;
       if (!whole && clip.joints != wanted) {
         Exclude({}, ExcludedFile(one.item, file.name + clip.id, kOtherJoints,
                                  "it has " + std::to_string(clip.joints) + " joints, those of the source have " +
@@ -304,14 +307,14 @@ Status ClipFinder::TakeFile(const FolderFile& file) {
     return {};
   }
   Status broken;
-  const std::optional<NamedFile> named = Name(file.name, matches, file.path, broken);
+  ItemFacts facts;
+  const std::optional<NamedFile> named = Name(file.name, matches, file.path, facts, broken);
   if (!named) return broken;
   if (!file.problem.empty() && gathered_.empty()) {
     const Error why{ErrorCode::kUnreadable, file.problem, file.name, "correct or remove it"};
     Exclude(file.path, RefusedFile(named->item(), "unreadable_file", why));
     return {};
   }
-  ItemFacts facts;
   if (!source_.label_table.empty()) {
     const auto row = table_.find(StemOf(file.name));
     if (row == table_.end()) {
@@ -323,9 +326,6 @@ Status ClipFinder::TakeFile(const FolderFile& file) {
     if (!SetLabel(row->second, file.name, file.path, facts)) return {};
     if (facts.label != row->second) facts.label_text = row->second;
   }
-  if (const auto issue = known_issues_.Find(source_.views.multi_view ? StemOf(file.name) : named->identity.recording);
-      issue && source_.known_issues == KnownIssueAction::kReport)
-    facts.known_issue = TextOf(*issue);
   if (const IndexedSequence* annotated = babel_->Find(file.name)) {
     facts.annotation = EncodeBabel({annotated->sequence});
     const auto role = source_.annotation_roles.find(annotated->file);

@@ -188,7 +188,7 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   const std::string& name = facts.entry_name.empty() ? input->name : facts.entry_name;
   Expected<NamedFile> named = ReadName(*source, name, std::max(1, static_cast<int>(facts.body)));
   if (!named) return Forward(named);
-  if (!facts.label.empty()) named->label = facts.label;
+  if (facts.labelled) named->label = facts.label;
   if (!facts.role.empty()) named->role = facts.role;
   named->identity.recording += RecordingSuffix(facts.array);
   if (gathered) named->fields["file"] = named->identity.recording;
@@ -197,10 +197,8 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
   if (!bytes) return Forward(bytes);
   if (whole && Trim(*bytes).empty()) return EmptyFile(name);
   SourceFile file{*source, *named, name, *bytes, {}};
-  file.annotation = facts.annotation;
+  file.facts = facts;
   file.container = input->path;
-  file.entry = static_cast<int>(facts.entry);
-  file.most_frames = static_cast<int>(facts.most_frames);
   std::string read = *bytes;
   if (source->views.multi_view) {
     Expected<std::vector<ViewFile>> views = ReadViewFiles(*source, request.inputs, *named);
@@ -219,7 +217,6 @@ Expected<ReadItem> ReadSourceItem(const StageRequest& request) {
     file.skeleton_bytes = *std::move(skeleton);
     read += file.skeleton_bytes;
   }
-  file.array = facts.array;
   Expected<IngestedClip> ingested = DriverOf(source->format).to_clip(file);
   if (!ingested) {
     Expected<StageOutcome> unusable = Unusable(*source, ingested.error(), request.item);

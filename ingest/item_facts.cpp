@@ -15,7 +15,8 @@ void ItemFacts::Declare(OptionVisitor& v) {
   v.Text("entry_name", entry_name, "name in the container");
   v.Integer("most_frames", most_frames, {}, "maximum number of frames");
   v.Text("array", array, "clip in a file of arrays");
-  v.Text("label", label, "label that the name does not tell");
+  v.Bool("labelled", labelled, "whether the label is not what the name tells");
+  v.Text("label", label, "label of the clip");
   v.Text("label_text", label_text, "what the table of labels says");
   v.Text("annotation", annotation, "JSON of a BABEL sequence");
   v.Text("role", role, "role of the file of annotations");

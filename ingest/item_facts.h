@@ -15,11 +15,12 @@ struct ItemFacts {
   std::string entry_name;        ///< its name there
   std::int64_t most_frames = 0;  ///< maximum number of frames of the clip; 0: all
   std::string array;             ///< the clip in a file of arrays, sources/array_clips.h
-  std::string label;             ///< where the name does not tell it
-  std::string label_text;        ///< what the table of labels says, where `label` is another text
-  std::string annotation;        ///< JSON of one BABEL sequence
-  std::string role;              ///< of the file of annotations
-  std::string known_issue;       ///< what a list says of the recording
+  bool labelled = false;         ///< `label` is the clip's, not what the name tells
+  std::string label;
+  std::string label_text;   ///< what the table of labels says, where `label` is another text
+  std::string annotation;   ///< JSON of one BABEL sequence
+  std::string role;         ///< of the file of annotations
+  std::string known_issue;  ///< what a list says of the recording
 
   void Declare(OptionVisitor& v);
   /// Where the clip stands in its file: "[3]", "[walk][3]"; empty: it is the file.

@@ -228,7 +228,7 @@ void MotionsOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration IngestDeclaration() { return {"ingest", 45, "mocurate-annotate", ClipLimits()}; }
-StageDeclaration MotionsDeclaration() { return {"motions", 8, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration MotionsDeclaration() { return {"motions", 9, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration DuplicatesDeclaration() { return {"duplicates", 8, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration TruthDeclaration() { return {"truth", 2, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration CaptureDeclaration() { return {"capture", 2, "mocurate-annotate", WholeSetLimits()}; }

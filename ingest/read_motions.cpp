@@ -242,32 +242,51 @@ Status TreatPadding(const MotionsOptions& options, int stated, bool states_lengt
   return {};
 }
 
-/// Whether the findings that refuse or exclude a clip are all of those that are tolerated; one that could not be read
-/// is none.
-bool IsTolerated(const std::vector<std::string>& codes, const ReadItem& read) {
-  if (codes.empty() || !(read.clip.motion || !read.clip.evidence.empty())) return false;
-  const auto known = [&](const Finding& finding) {
-    return std::find(codes.begin(), codes.end(), finding.code) != codes.end();
-  };
-  const std::vector<Finding>& findings = read.outcome.findings;
-  if (read.outcome.kind == OutcomeKind::kExcluded) return !findings.empty() && known(findings.back());
-  return std::all_of(findings.begin(), findings.end(), [&](const Finding& finding) {
-    return finding.action != FindingAction::kRefused || known(finding);
-  });
+bool Tolerates(const MotionsOptions& options, const std::string& code) {
+  return std::find(options.tolerate.begin(), options.tolerate.end(), code) != options.tolerate.end();
 }
 
-std::string ToleranceOf(const Finding& rule) { return "--tolerate " + rule.code + " reads such clips"; }
+/// The declaration under which findings that are tolerated exclude no clip.
+IngestOptions Tolerating(const MotionsOptions& options) {
+  IngestOptions ingest = options.ingest;
+  for (const std::string& code : options.tolerate) {
+    const OnFinding action = ingest.source.checks.ActionFor(code);
+    if (action == OnFinding::kDrop || action == OnFinding::kDropRecorded)
+      ingest.source.checks.actions[code] = OnFinding::kReport;
+  }
+  if (Tolerates(options, "mostly_missing")) ingest.source.max_missing = 1.0;
+  if (Tolerates(options, "count_contradiction")) ingest.source.damaged_rows = DamagedRows::kReport;
+  return ingest;
+}
+
+/// Why a clip is not taken: the finding that refuses or excludes it and is not tolerated, with the way to do so.
+/// Nothing where it is taken.
+std::optional<Error> WhyNotTaken(const MotionsOptions& options, const ReadItem& read) {
+  if (HasArtifact(read.outcome.kind)) return std::nullopt;
+  const std::vector<Finding>& findings = read.outcome.findings;
+  const bool whole = read.clip.motion || !read.clip.evidence.empty();
+  const auto rule = std::find_if(findings.begin(), findings.end(), [&](const Finding& finding) {
+    return finding.action == FindingAction::kRefused && !Tolerates(options, finding.code);
+  });
+  if (read.outcome.kind == OutcomeKind::kRefused && whole && rule == findings.end()) return std::nullopt;
+  Error error = read.outcome.error;
+  const std::string code = rule != findings.end() ? rule->code : findings.empty() ? "" : findings.back().code;
+  if (!code.empty() && (whole || code == "count_contradiction"))
+    error.hint += (error.hint.empty() ? "" : "; or ") + ("--tolerate " + code + " reads such clips");
+  return error;
+}
 
 /// What the clips of a source contradict together, as a run finds it. Clips are refused for it where the declaration
 /// asks for that.
 void CheckSet(const MotionsOptions& options, std::vector<ItemResult> clips, ReadMotions& read) {
-  const SourceOptions& source = options.ingest.source;
-  for (Finding& finding : FindSetContradictions(source, clips)) {
-    const bool tolerated =
-        std::find(options.tolerate.begin(), options.tolerate.end(), finding.code) != options.tolerate.end();
-    if (source.on_contradiction == OnContradiction::kRefuse && !tolerated) {
+  for (Finding& finding : FindSetContradictions(options.ingest.source, clips)) {
+    const bool refuse = options.ingest.source.on_contradiction == OnContradiction::kRefuse;
+    if (refuse && !Tolerates(options, finding.code)) {
       for (const Clip& clip : read.set.clips)
-        read.refused.push_back({clip.id(), {ErrorCode::kInconsistent, finding.message, clip.id(), ""}});
+        read.refused.push_back({clip.id(),
+                                {ErrorCode::kInconsistent, finding.message, clip.id(),
+                                 "set ingest.source.on_contradiction: flag to keep such clips; or --tolerate " +
+                                     finding.code + " reads them"}});
       read.set.clips.clear();
     }
     read.set.findings.push_back(std::move(finding));
@@ -275,11 +294,11 @@ void CheckSet(const MotionsOptions& options, std::vector<ItemResult> clips, Read
 }
 
 /// Why the first item that cannot be read is none; nothing where all can.
-std::optional<Error> FirstUnreadable(const std::vector<ItemSpec>& items) {
+std::optional<Error> FirstUnreadable(const MotionsOptions& options, const std::vector<ItemSpec>& items) {
   for (const ItemSpec& item : items) {
     const Expected<ReadItem> one = ReadSourceItem({"motions", item.item, item.options.Whole(), item.inputs, {}, {}});
     if (!one) return one.error();
-    if (!HasArtifact(one->outcome.kind)) return one->outcome.error;
+    if (auto error = WhyNotTaken(options, *one)) return error;
   }
   return std::nullopt;
 }
@@ -366,12 +385,7 @@ Expected<MotionLengths> ReadMotionLengths(const std::filesystem::path& file) {
 
 Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const MotionLabels& labels,
                                      const MotionLengths& lengths) {
-  IngestOptions ingest = options.ingest;
-  const auto tolerated = [&](const char* code) {
-    return std::find(options.tolerate.begin(), options.tolerate.end(), code) != options.tolerate.end();
-  };
-  if (tolerated("count_contradiction")) ingest.source.damaged_rows = DamagedRows::kReport;
-  Expected<Discovery> discovery = Discover(ingest);
+  Expected<Discovery> discovery = Discover(Tolerating(options));
   if (!discovery) return Forward(discovery);
   const LabelAssignment assignment(labels, options.classes);
   const std::vector<std::size_t> places = PlacesOf(discovery->items);
@@ -393,7 +407,8 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
                         "one length a motion, in the order of the motions");
   }
   if (!counts) {
-    if (auto unreadable = FirstUnreadable(discovery->items)) return tl::unexpected<Error>(std::move(*unreadable));
+    if (auto unreadable = FirstUnreadable(options, discovery->items))
+      return tl::unexpected<Error>(std::move(*unreadable));
     return Forward(counts);
   }
   std::set<std::string> names;
@@ -402,15 +417,7 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
     const ItemSpec& item = discovery->items[i];
     StageRequest request{"motions", item.item, item.options.Whole(), item.inputs, {}, {}};
     Expected<ReadItem> one = ReadSourceItem(request);
-    if (one && !HasArtifact(one->outcome.kind) && !IsTolerated(options.tolerate, *one)) {
-      const Finding* rule = one->outcome.findings.empty() ? nullptr : &one->outcome.findings.back();
-      for (const Finding& finding : one->outcome.findings) {
-        if (finding.action == FindingAction::kRefused) rule = &finding;
-      }
-      Error error = one->outcome.error;
-      if (rule != nullptr && one->clip.motion) error.hint += (error.hint.empty() ? "" : "; or ") + ToleranceOf(*rule);
-      one = tl::unexpected<Error>(std::move(error));
-    }
+    if (auto error = one ? WhyNotTaken(options, *one) : std::nullopt) one = tl::unexpected<Error>(*std::move(error));
     Status taken = one ? GiveMotion(options.ingest.source, one->clip) : Forward(one);
     if (taken) taken = assignment.Assign(item, places[i], one->clip);
     if (taken) taken = FitsSet(read.set, one->clip);
@@ -425,6 +432,7 @@ Expected<ReadMotions> ReadAllMotions(const MotionsOptions& options, const Motion
       continue;
     }
     Clip& clip = one->clip;
+    clip.provenance["inspected_as"] = item.inputs.front().name + FactsOf(item).Place();
     if (read.set.clips.empty()) {
       read.set.skeleton = clip.motion->rest_pose();
       read.set.joints_only = clip.motion->joints_only();
@@ -488,12 +496,18 @@ Expected<StageOutcome> MotionsStage(const StageRequest& request) {
         MakeFinding("clip_refused", Severity::kError, 0.0, refused.error.Message(), FindingAction::kRefused));
     outcome.findings.back().clip = refused.item;
   }
+  for (const Finding& finding : read->set.findings) {
+    if (finding.severity == Severity::kError) outcome.findings.push_back(finding);
+  }
   outcome.summary = {{"clips", read->set.clips.size()},
                      {"refused", read->refused.size()},
                      {"padded", read->padded.motions},
                      {"padding_frames", read->padded.frames},
                      {"first_padded", read->padded.first}};
-  read->set.findings.insert(read->set.findings.end(), outcome.findings.begin(), outcome.findings.end());
+  for (const Finding& finding : outcome.findings) {
+    if (std::find(read->set.findings.begin(), read->set.findings.end(), finding) == read->set.findings.end())
+      read->set.findings.push_back(finding);
+  }
   if (Status written = WriteDataset(read->set, request.output); !written) return Forward(written);
   return outcome;
 }

@@ -1,5 +1,6 @@
 #include "ingest/relaxed_pattern.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <vector>
 
@@ -45,15 +46,25 @@ std::optional<std::string> RelaxFilePattern(IngestOptions& options) {
   if (declared->Match(NameFor(options.path, *declared))) return std::nullopt;
   std::string text = DisplayPath(options.path) + ": the name is not as '" + source.files +
                      "' has it, so that it declares neither who performs nor what: the recording is called as the file";
+  // Only what stands in the fields of the pattern is not known.
+  const auto lacks = [](const std::string& option) {
+    const std::vector<std::string> fields = FieldsOf(option);
+    return std::any_of(fields.begin(), fields.end(), [](const std::string& field) {
+      return field != "file" && field != "recording" && field != "body";
+    });
+  };
   source.files = files;
-  source.recording = "{recording}";
-  source.person = kUnknownPerson;
-  source.bodies.clear();
-  source.labels.clear();
-  for (std::string* option : {&source.label, &source.label_table, &source.fine_label, &source.session, &source.view,
-                              &source.style, &source.frames_in_name})
-    option->clear();
-  if (!FieldsOf(source.skeleton_files).empty()) {
+  source.label_table.clear();
+  if (lacks(source.recording)) source.recording = "{recording}";
+  if (lacks(source.person)) {
+    source.person = kUnknownPerson;
+    source.bodies.clear();
+  }
+  if (lacks(source.label)) source.labels.clear();
+  for (std::string* option :
+       {&source.label, &source.fine_label, &source.session, &source.view, &source.style, &source.frames_in_name})
+    if (lacks(*option)) option->clear();
+  if (lacks(source.skeleton_files)) {
     source.skeleton_files = SkeletonBeside(options.path);
     text += ", its skeleton to be " + source.skeleton_files + " (or set ingest.source.skeleton_files)";
   }

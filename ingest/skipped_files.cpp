@@ -201,7 +201,7 @@ Status CheckFormat(const SourceOptions& source, const std::vector<ItemSpec>& ite
     const FormatDriver* found = head ? RecogniseFormat({*head, input.name, input.path}, kind) : nullptr;
     // What the content tells; tables of numbers may be of any format whose content tells nothing.
     if (found == nullptr || found == &declared || found->kinds.empty() || declared.IsOf(kind)) return {};
-    if (kind == FileKind::kNumbers && declared.kinds.empty()) return {};
+    if (declared.kinds.empty() && (kind == FileKind::kNumbers || IsJson(kind))) return {};
     if (other != nullptr && other != found) return {};
     other = found;
   }

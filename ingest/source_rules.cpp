@@ -68,7 +68,7 @@ Status CheckFilledIn(const SourceOptions& s) {
     problems.Add(
         OptionPlace(option), "'" + text + "' is still to be filled in",
         "write `frame` where the column counts frames, its unit where it is a clock (time_s, time_ms, time_us, "
-        "time_100ns, time_ns), or `skip`");
+        "time_100ns, time_ns), `confidence` where it says whether a joint is seen, or `skip`");
   }
   for (const std::string& file : s.calibration) {
     if (!open(file)) continue;

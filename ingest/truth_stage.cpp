@@ -6,6 +6,7 @@
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
 #include "ingest/formats/driver.h"
+#include "ingest/item_facts.h"
 #include "ingest/sources/source_file.h"
 #include "ingest/stages.h"
 #include "ingest/synthetic/studio.h"
@@ -96,7 +97,9 @@ Expected<StageOutcome> StudioTruth(const StageRequest& request) {
 
 Expected<StageOutcome> TruthStage(const StageRequest& request) {
   if (request.options.contains("synthetic")) return StudioTruth(request);
-  const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(request.options);
+  nlohmann::json declared = request.options;
+  if (const auto facts = TakeFacts(declared); !facts) return Forward(facts);
+  const Expected<SourceOptions> source = OptionsFromJson<SourceOptions>(declared);
   if (!source) return Forward(source);
   const auto input = std::find_if(request.inputs.begin(), request.inputs.end(),
                                   [](const StageInput& candidate) { return candidate.role == "source"; });

@@ -183,7 +183,6 @@ Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles
                 DisplayPath(files.path), "remove --values and --bone-lengths");
   }
   motions.ingest.source.lie_bone_lengths = files.lie_bone_lengths;
-  if (Status known = CheckTolerated(files.tolerate); !known) return Forward(known);
   MotionsOptions options{motions.ingest, extractor.classes, files.padding, files.tolerate};
   options.ingest.path.clear();
   ItemSpec item{"motions/" + name, OptionsToJson(options), {}};

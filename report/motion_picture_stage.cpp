@@ -37,11 +37,11 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     const std::size_t before = rows.size();
     for (const NamedMotions& set : sets) {
       for (const Clip& clip : set.motions.clips) {
-        if (EndsWith(clip.id(), wanted)) add(set, clip, clip.label);
+        if (IsCalled(clip, wanted) || EndsWith(clip.id(), wanted)) add(set, clip, clip.label);
       }
     }
     if (rows.size() > before) continue;
-    return Fail(ErrorCode::kNotFound, "no clip id has this ending", wanted, "`mocurate inspect FILE` lists them");
+    return Fail(ErrorCode::kUsage, "no clip id has this ending", wanted, "`mocurate inspect FILE` lists them");
   }
   std::vector<std::string> labels = options.labels;
   const bool some_long = std::any_of(sets.begin(), sets.end(), IsLong);

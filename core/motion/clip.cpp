@@ -70,6 +70,23 @@ std::string ClipIdentity::id() const {
 
 std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
+bool IsCalled(const std::string& id, const std::string& name) {
+  const auto is_end = [&](const std::string& whole) {
+    return whole == name || EndsWith(whole, "/" + name) || (EndsWith(whole, name) && name[0] == '[');
+  };
+  return is_end(id) || is_end(RecordingOf(id));
+}
+
+bool IsCalled(const Clip& clip, const std::string& name) {
+  const auto inspected = clip.provenance.find("inspected_as");
+  if (IsCalled(clip.id(), name) || inspected == clip.provenance.end()) return IsCalled(clip.id(), name);
+  std::string file = inspected->second;  // "takes/b1.npy[1]"
+  if (IsCalled(file, name)) return true;
+  const std::size_t place = std::min(file.find('['), file.size()), ending = file.rfind('.', place);
+  if (ending != std::string::npos) file.erase(ending, place - ending);
+  return IsCalled(file, name);
+}
+
 std::string Clip::Noted(const std::string& key) const {
   const auto noted = provenance.find(key);
   return noted == provenance.end() ? std::string() : noted->second;

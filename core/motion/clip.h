@@ -141,6 +141,11 @@ struct Clip {
 /// A clip id without its frames: source/person/recording.
 std::string RecordingOf(const std::string& id);
 
+/// Whether a name means a clip: its id, with its span of frames or without, what stands behind a '/' in it, or the name
+/// that an inspection lists (provenance "inspected_as"), with the file's folders and ending or without.
+bool IsCalled(const Clip& clip, const std::string& name);
+bool IsCalled(const std::string& id, const std::string& name);
+
 /// Frames of its motion, else those of EvidenceTimes.
 int FrameCount(const Clip& clip);
 

@@ -146,12 +146,12 @@ Finding NotTheSubject(const Skeleton& skeleton) {
 
 Status AddSegments(const SourceFile& file, Clip& clip, std::size_t frames, std::vector<Finding>& findings) {
   if (file.source.annotations.empty()) return {};
-  if (file.annotation.empty()) {
+  if (file.facts.annotation.empty()) {
     findings.push_back(MakeFinding("not_annotated", Severity::kInfo, 0.0,
                                    "no annotation file lists this motion; kept without labels", FindingAction::kKept));
     return {};
   }
-  const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.annotation, file.name + " (annotation)");
+  const Expected<std::vector<BabelSequence>> sequences = ParseBabel(file.facts.annotation, file.name + " (annotation)");
   if (!sequences) return Forward(sequences);
   const double frame_s = clip.rate.FrameTime(1);
   clip.segments = SegmentsOf(sequences->at(0), static_cast<double>(frames) * frame_s, frame_s, findings);
@@ -349,7 +349,7 @@ FormatDriver AmassFormat() {
   d.zeros = "; the file does not state where the body moves";
   d.options = {"annotations", "annotation_roles"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kZip; };  // arrays, too
-  d.read_raw = NpzIn;
+  d.open = NpzIn;
   d.propose = ProposeAmass;
   d.to_clip = ReadAmassClip;
   return d;

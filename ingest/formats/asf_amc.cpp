@@ -390,7 +390,7 @@ FormatDriver AsfAmcFormat() {
   d.rotations = true;
   d.check = CheckSkeletonFiles;
   d.options = {"skeleton_files"};
-  d.read_raw = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
+  d.open = [](const FileBytes& file) { return KindOf(file.bytes) == FileKind::kAsf ? AsfIn(file) : AmcIn(file); };
   d.propose = ProposeAcclaim;
   d.to_clip = ReadAsfAmcClip;
   return d;

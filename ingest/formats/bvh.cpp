@@ -247,7 +247,7 @@ FormatDriver BvhFormat() {
   d.rotations = true;
   d.states_rate = true;
   d.options = {"max_slide"};
-  d.read_raw = BvhIn;
+  d.open = BvhIn;
   d.to_clip = ReadBvhClip;
   return d;
 }

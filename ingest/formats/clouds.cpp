@@ -122,7 +122,7 @@ FormatDriver CloudsFormat() {
   d.gives = EvidenceKind::kPointClouds;
   d.grouped_by = {"frame"};
   d.check = CheckGrouped;
-  d.read_raw = CloudIn;
+  d.open = CloudIn;
   d.propose = ProposeClouds;
   d.to_clip = ReadCloudsClip;
   return d;

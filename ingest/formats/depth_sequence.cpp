@@ -184,7 +184,7 @@ FormatDriver DepthSequenceFormat() {
   d.check = CheckDepthFiles;
   d.options = {"depth_files", "depth_unit"};
   d.kinds = {FileKind::kDepthSequence, FileKind::kDepthStill};
-  d.read_raw = [](const FileBytes& file) {
+  d.open = [](const FileBytes& file) {
     return KindOf(file.bytes) == FileKind::kDepthStill ? StillIn(file) : SequenceIn(file);
   };
   d.propose = ProposeDepthSequence;

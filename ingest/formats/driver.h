@@ -55,12 +55,14 @@ struct FormatDriver {
   const char* zeros = "";                 ///< advice about joints at 0 0 0, appended to the finding's message
   /// Rules of a declaration beyond those of all formats. Error kConfig names the option. Null: no rules.
   Status (*check)(const SourceOptions& source) = nullptr;
-  Expected<IngestedClip> (*to_clip)(const SourceFile& file) = nullptr;
   /// Whether an undeclared file is of this format though its kind is not: by its path, and what else its bytes hold.
   /// Null: `kinds` decide.
   bool (*sniff)(const FileBytes& file, FileKind kind) = nullptr;
-  /// Everything that such a file contains. Null: a clip needs several files, or a declaration.
-  Expected<RawFile> (*read_raw)(const FileBytes& file) = nullptr;
+  /// Everything that such a file contains, as it stands: damaged rows cost their frames, with findings, unless they
+  /// are refused. Null: a clip needs several files, or a declaration.
+  Expected<RawFile> (*open)(const FileBytes& file) = nullptr;
+  /// The clip in metres and canonical axes, as a declaration has it. TracksAsOpened: the first of `open`.
+  Expected<IngestedClip> (*to_clip)(const SourceFile& file) = nullptr;
   /// What `config init` writes of the names of clips and of options of this format; of clips of many files all else
   /// too. Null: `files` by what the names have in common.
   void (*propose)(const Proposal& proposal, DeclarationWriter& writer) = nullptr;
@@ -87,6 +89,11 @@ const FormatDriver* RecogniseFormat(const FileBytes& file, FileKind kind);
 /// Adds a format of an embedding program; configurations may name it from now on. Call it before any thread reads
 /// clips. Throws std::logic_error for a name in use, a null to_clip, or options that ingest.source lacks.
 void AddFormat(const FormatDriver& driver);
+
+/// The joints of the first clip that the driver's `open` gives, as evidence tracks: those that are missing there have
+/// confidence 0. Its facts are the clip's provenance. Errors of `open`; kMalformed for damaged rows that the
+/// declaration refuses; kInconsistent where no joint is seen.
+Expected<IngestedClip> TracksAsOpened(const SourceFile& file);
 
 /// What the clips of a source contain: that of its format, plus depth views where they are declared beside keypoints.
 EvidenceKind EvidenceKindOf(const SourceOptions& source);

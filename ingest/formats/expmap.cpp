@@ -17,7 +17,7 @@ constexpr double kTurn = 6.2832;          // radians; no rotation vector of thes
 constexpr double kStill = 1e-5;           // radians; rounding of the exporter
 constexpr double kFewestConstant = 0.15;  // share of columns; bones without a degree of freedom stay at 0
 
-constexpr double kMostDamaged = 0.5;  // share of rows that are not whole, of what is named a table of rotations
+constexpr double kFewestVectors = 0.5;  // share of rows, of what is named a table of rotations
 
 /// 99 or 117 where most rows of the file have as many numbers; 0: another file.
 int ColumnsOfExpmap(std::string_view bytes) {
@@ -32,41 +32,21 @@ int ColumnsOfExpmap(std::string_view bytes) {
   return 2 * as_99 > rows ? 99 : 2 * as_117 > rows ? 117 : 0;
 }
 
-/// Whether every number of a row is one, and no vector longer than a turn.
-bool IsWholeRow(const ExpmapTable& table, std::size_t f) {
+/// Of a row: whether its numbers are finite, and no vector longer than a turn.
+struct RowContent {
+  bool finite = true, short_vectors = true;
+};
+
+RowContent ContentOf(const ExpmapTable& table, std::size_t f) {
+  RowContent row;
+  row.finite = Eigen::Map<const Vector3d>(&table.root[f * 3]).allFinite();
   const std::size_t columns = static_cast<std::size_t>(table.joints) * 3;
-  if (!Eigen::Map<const Vector3d>(&table.root[f * 3]).allFinite()) return false;
   for (std::size_t c = 0; c < columns; c += 3) {
-    const double* r = &table.rotation_rad[f * columns + c];
-    if (!(std::hypot(r[0], r[1], r[2]) <= kTurn)) return false;
+    const double length = Eigen::Map<const Vector3d>(&table.rotation_rad[f * columns + c]).norm();
+    row.finite = row.finite && std::isfinite(length);
+    row.short_vectors = row.short_vectors && length <= kTurn;
   }
-  return true;
-}
-
-/// Of rows whose numbers stand and are too large.
-Finding TooLarge(std::size_t f) {
-  const int frame = static_cast<int>(f);
-  Finding finding = FrameFinding("malformed", frame, frame + 1, "", 1.0,
-                                 "row " + std::to_string(frame + 1) +
-                                     ": a rotation vector is longer than 2 pi, those of the other rows are not: its "
-                                     "numbers are damaged; copy the file again");
-  finding.severity = Severity::kError;
-  return finding;
-}
-
-/// The rows that are damaged, rising. Those of whole numbers that are too large are reported beside the findings of the
-/// table.
-std::vector<int> DamagedRowsOf(ExpmapTable& table) {
-  std::vector<int> damaged;
-  for (int f = 0; f < table.frames; ++f) {
-    if (IsWholeRow(table, static_cast<std::size_t>(f))) continue;
-    damaged.push_back(f);
-    const bool reported = std::any_of(table.findings.begin(), table.findings.end(), [&](const Finding& finding) {
-      return finding.frame_begin <= f && f < finding.frame_end;
-    });
-    if (!reported) table.findings.push_back(TooLarge(static_cast<std::size_t>(f)));
-  }
-  return damaged;
+  return row;
 }
 
 /// Column of each of the skeleton's joints among those of the file.
@@ -104,12 +84,11 @@ Expected<IngestedClip> ReadExpmapClip(const SourceFile& file) {
   const std::size_t joints = columns->size();
   std::vector<Vector3d> root_translation;
   std::vector<Quaterniond> rotation(static_cast<std::size_t>(table->frames) * joints);
-  const std::vector<int> damaged = DamagedRowsOf(*table);
-  if (!table->findings.empty() && source.damaged_rows == DamagedRows::kRefuse)
-    return Fail(ErrorCode::kMalformed, table->findings.front().message, file.name, "repair the rows, or copy it again");
+  std::vector<int> damaged;
   for (std::size_t f = 0; f < static_cast<std::size_t>(table->frames); ++f) {
     double *place = &table->root[f * 3], *vectors = &table->rotation_rad[f * source.joints.size() * 3];
-    if (std::binary_search(damaged.begin(), damaged.end(), static_cast<int>(f))) {
+    if (!ContentOf(*table, f).finite) {
+      damaged.push_back(static_cast<int>(f));
       std::fill_n(place, 3, 0.0);
       std::fill_n(vectors, source.joints.size() * 3, 0.0);
     }
@@ -138,14 +117,15 @@ std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& 
   if (wide == 0) return std::nullopt;
   auto table = ParseExpmapTable(bytes, name, wide, DamagedRows::kReport);
   if (!table || table->frames < 2) return std::nullopt;
-  const std::vector<int> damaged = DamagedRowsOf(*table);
   const auto columns = static_cast<std::size_t>(table->joints) * 3;
-  std::vector<int> whole;
+  std::vector<int> whole;  // rows of vectors
+  int damaged = 0;
   for (int f = 0; f < table->frames; ++f) {
-    if (!std::binary_search(damaged.begin(), damaged.end(), f)) whole.push_back(f);
+    const RowContent row = ContentOf(*table, static_cast<std::size_t>(f));
+    if (row.finite && row.short_vectors) whole.push_back(f);
+    damaged += row.finite ? 0 : 1;
   }
-  const double share = static_cast<double>(damaged.size()) / static_cast<double>(table->frames);
-  if (share > kMostDamaged) return std::nullopt;
+  if (whole.empty() || static_cast<double>(whole.size()) < kFewestVectors * table->frames) return std::nullopt;
   const auto at = [&](int f, std::size_t c) { return table->rotation_rad[static_cast<std::size_t>(f) * columns + c]; };
   std::size_t constant = 0;
   for (std::size_t c = 0; c < columns; ++c) {
@@ -157,7 +137,7 @@ std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& 
   if (static_cast<double>(constant) < kFewestConstant * static_cast<double>(columns)) return std::nullopt;
   RawClip clip;
   clip.format = "expmap_table";
-  clip.frames = whole.back() - whole.front() + 1;  // damaged rows at the ends show nothing
+  clip.frames = table->frames;
   clip.joints = table->joints;
   clip.layout_evidence = std::to_string(3 + columns) + " columns: place of the root and " +
                          std::to_string(table->joints) + " rotation vectors, " + std::to_string(constant) +
@@ -165,8 +145,9 @@ std::optional<RawClip> ReadRawExpmap(std::string_view bytes, const std::string& 
   clip.skeleton.evidence = "rotations; the tree is not in the file";
   clip.silence = "rotations of a skeleton that is not in the file";
   clip.rate_evidence = "the file does not declare it";
-  clip.missing_share = share;
   clip.AddRemarks(table->findings);
+  clip.CutDamagedEnds();
+  clip.missing_share = static_cast<double>(damaged - (table->frames - clip.frames)) / clip.frames;
   return clip;
 }
 

@@ -45,8 +45,8 @@ Expected<HumanAct12Clip> ReadEntry(const SourceFile& file) {
   const auto pickle = PickleOf(file.container);
   if (!pickle) return Forward(pickle);
   const HumanAct12Archive& archive = (*pickle)->archive;
-  if (Status there = CheckEntry(file.entry, archive.size(), file.name); !there) return Forward(there);
-  return archive.Clip(static_cast<std::size_t>(file.entry));
+  if (Status there = CheckEntry(file.facts.entry, archive.size(), file.name); !there) return Forward(there);
+  return archive.Clip(static_cast<std::size_t>(file.facts.entry));
 }
 
 constexpr double kFits = 1e-3;  // metres; largest distance of recorded positions from those of the rotations
@@ -141,7 +141,7 @@ FormatDriver HumanAct12PickleFormat() {
   d.needs_container = true;
   d.options = {"container"};
   d.sniff = [](const FileBytes&, FileKind kind) { return kind == FileKind::kPickle; };  // of VIBE, too
-  d.read_raw = ReadRawPickle;
+  d.open = ReadRawPickle;
   d.propose = ProposeHumanAct12;
   d.to_clip = ReadHumanAct12Clip;
   d.entries = HumanAct12Entries;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -301,6 +302,22 @@ Expected<IngestedClip> ReadJointTableClip(const SourceFile& file) {
   return ingested;
 }
 
+/// The most frequent text of a fact, of those that leave nothing to fill in where there are any, and a clip with it;
+/// null where there is none.
+std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key) {
+  std::map<std::string, std::size_t> counts;
+  std::pair<std::string, const InspectedClip*> usual{"", nullptr};
+  const auto open = [](const std::string& text) { return text.find(kFillIn) != std::string::npos; };
+  for (const InspectedClip* clip : source.clips()) {
+    const std::string text = clip->Fact(key);
+    if (text.empty()) continue;
+    const std::size_t count = ++counts[text];
+    const bool better = open(text) == open(usual.first) ? count > counts[usual.first] : !open(text);
+    if (usual.second == nullptr || better) usual = {text, clip};
+  }
+  return usual;
+}
+
 void ProposeTable(const Proposal& proposal, DeclarationWriter& writer) {
   const ClipConsensus& source = proposal.source;
   WriteFiles(proposal, writer);
@@ -355,7 +372,7 @@ FormatDriver JointTableFormat() {
   d.zeros = "; if the tracker writes missing joints so, set ingest.source.missing: zero";
   d.check = CheckTable;
   d.options = {"rows_per_frame", "columns", "layout", "end_word", "least_confidence", "missing"};
-  d.read_raw = ReadRawTable;
+  d.open = ReadRawTable;
   d.propose = ProposeTable;
   d.to_clip = ReadJointTableClip;
   return d;

@@ -31,8 +31,8 @@ Expected<std::vector<ContainerEntry>> MotionsEntries(const SourceOptions& source
 Expected<Clip> ReadMotionsEntry(const SourceFile& file) {
   const auto clips = MotionsOf(file.container, DatasetClips::Check::kNone);
   if (!clips) return Forward(clips);
-  if (Status there = CheckEntry(file.entry, (*clips)->size(), file.name); !there) return Forward(there);
-  return (*clips)->Read(static_cast<std::size_t>(file.entry));
+  if (Status there = CheckEntry(file.facts.entry, (*clips)->size(), file.name); !there) return Forward(there);
+  return (*clips)->Read(static_cast<std::size_t>(file.facts.entry));
 }
 
 /// One clip of a dataset or MotionSet, unchanged: identity, segments and role; rotations where it has them, else joints

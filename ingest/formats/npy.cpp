@@ -9,6 +9,7 @@
 #include "core/motion/operations.h"
 #include "core/quality/tracked_points.h"
 #include "ingest/formats/driver.h"
+#include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
 #include "ingest/sources/array_clips.h"
 #include "ingest/sources/mapped_file.h"
@@ -130,7 +131,7 @@ Expected<NpyArray> JointsOfLie(const NpyArray& array, std::size_t wide, const Sk
 }
 
 Expected<IngestedClip> ReadArraySource(const SourceFile& file) {
-  const std::string& id = file.array;
+  const std::string& id = file.facts.array;
   const SourceOptions& source = file.source;
   const Expected<SourceFrame> frame = FrameOf(source);
   if (!frame) return Forward(frame);
@@ -270,6 +271,16 @@ Expected<RawFile> NpyIn(const FileBytes& file) {
   return RawFile::Of(ReadRawArray(*array, file.name));
 }
 
+/// MDM's results say what each motion is.
+void ProposeArrays(const Proposal& proposal, DeclarationWriter& writer) {
+  WriteFiles(proposal, writer);
+  const std::vector<std::string> labels = proposal.source.Facts("label");
+  if (std::all_of(labels.begin(), labels.end(), [](const std::string& label) { return label.empty(); }))
+    return WritePersonAndLabel(false, writer);
+  writer.Name("person", kUnknownPerson, "a fixed name, by which all clips are one person's");
+  writer.Value("label", YamlQuoted(""), "declared by the file: each clip's own");
+}
+
 }  // namespace
 
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name) {
@@ -342,7 +353,8 @@ FormatDriver NpyFormat() {
   d.lists_joints = true;
   d.holds_clips = true;
   d.options = {"lie_bone_lengths"};
-  d.read_raw = NpyIn;
+  d.open = NpyIn;
+  d.propose = ProposeArrays;
   d.to_clip = ReadArraySource;
   return d;
 }

@@ -204,13 +204,19 @@ bool IsNtuActionOfTwo(long long action) { return (action >= 50 && action <= 60) 
 
 /// NTU's names say everything; how many people a file holds is declared per action.
 void ProposeNtu(const Proposal& proposal, DeclarationWriter& writer) {
-  const std::string files = "S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton";
+  std::string files = "S{setup:3}C{camera:3}P{person:3}R{repetition:3}A{action:3}.skeleton";
   const Expected<NamePattern> pattern = NamePattern::Parse(files, "files");
-  const std::vector<std::string> names = proposal.source.files();
-  if (std::any_of(names.begin(), names.end(), [&](const std::string& name) { return !pattern->Match(name); })) {
+  std::set<std::string> folders;  // of files that are named so; the others are not the set's
+  for (const std::string& name : proposal.source.files()) {
+    const std::string folder = FolderOf(name);
+    if (pattern->Match(name.substr(folder.empty() ? 0 : folder.size() + 1))) folders.insert(folder);
+  }
+  if (folders.empty()) {
     WriteFiles(proposal, writer);
     return WritePersonAndLabel(false, writer);
   }
+  if (folders.size() > 1) files = "{folder?/}" + files;
+  if (folders.size() == 1 && !folders.begin()->empty()) files = *folders.begin() + "/" + files;
   writer.Value("files", YamlQuoted(files), "declared by the format");
   writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} numbers the people of a file");
   writer.Value("label", "\"A{action}\"", "declared by the format");
@@ -249,7 +255,7 @@ FormatDriver NtuSkeletonFormat() {
   d.check = CheckNtu;
   d.options = {"bodies", "people", "views", "first_frame", "inferred_confidence", "depth_files", "depth_unit"};
   d.sniff = IsNtu;
-  d.read_raw = NtuIn;
+  d.open = NtuIn;
   d.propose = ProposeNtu;
   d.to_clip = ReadNtuSkeletonClip;
   return d;

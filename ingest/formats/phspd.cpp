@@ -81,43 +81,6 @@ Expected<PhspdTracks> ReadPhspdTracks(std::string_view bytes, const std::string&
   return tracks;
 }
 
-/// PHSPD's pose.txt -> evidence tracks on SMPL's joints. Frames without an annotation stay as missing frames.
-Expected<IngestedClip> ReadPhspdClip(const SourceFile& file) {
-  const SourceOptions& source = file.source;
-  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
-  if (!axes) return Forward(axes);
-  const Expected<SkeletonPtr> skeleton = LoadSkeleton("smpl24");
-  if (!skeleton) return Forward(skeleton);
-  const Expected<std::vector<int>> columns = SmplColumns(**skeleton, kSmplJoints);
-  if (!columns) return Forward(columns);
-  Expected<PhspdTracks> read = ReadPhspdTracks(file.bytes, file.name, source.damaged_rows);
-  if (!read) return Forward(read);
-
-  const int frames = read->positions.frames;
-  IngestedClip ingested;
-  ingested.clip.rate = FrameRate::FromHz(*source.rate_hz);
-  ingested.findings = std::move(read->findings);
-  JointTracks tracks;
-  tracks.positions = JointPositions(frames, kPhspdJoints);
-  tracks.confidence.assign(read->confidence.size(), 0.0);
-  for (const Joint& joint : (*skeleton)->joints) tracks.names.push_back(joint.name);
-  for (int f = 0; f < frames; ++f) {
-    tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
-    for (int j = 0; j < kPhspdJoints; ++j) {
-      const int column = (*columns)[static_cast<std::size_t>(j)] / 3;
-      const std::size_t row = static_cast<std::size_t>(f) * kPhspdJoints;
-      const double confidence = read->confidence[row + static_cast<std::size_t>(column)];
-      tracks.confidence[row + static_cast<std::size_t>(j)] = confidence;
-      if (confidence > 0.0)
-        tracks.positions.at(f, j) = axes->canonical_from_source * Vector3d(read->positions.at(f, column));
-    }
-  }
-  NoteEmptyFrames(tracks, ingested.findings);
-  ingested.clip.provenance["first_frame"] = std::to_string(read->first_frame);
-  ingested.clip.evidence.tracks = std::move(tracks);
-  return ingested;
-}
-
 constexpr const char* kPoses = "pose.txt";
 constexpr const char* kShapes = "shape_smpl.txt";
 
@@ -127,9 +90,8 @@ Expected<RawFile> ShapesIn(const FileBytes& file) {
   return RawFile::Of({file.name, "phspd_shape", {}, {{"frames", static_cast<double>(shape->frame.size())}}});
 }
 
-/// For damaged rows, which are reported and dropped.
 Expected<RawFile> PosesIn(const FileBytes& file) {
-  Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, DamagedRows::kReport);
+  Expected<PhspdTracks> tracks = ReadPhspdTracks(file.bytes, file.name, file.damaged_rows);
   if (!tracks) return Forward(tracks);
   RawClip clip;
   clip.format = "phspd_pose";
@@ -143,6 +105,7 @@ Expected<RawFile> PosesIn(const FileBytes& file) {
   clip.confidence = std::move(tracks->confidence);
   FollowFormat("smpl24", {std::begin(kSmplJointNames), std::end(kSmplJointNames)}, "24 joints of SMPL", clip);
   clip.AddRemarks(tracks->findings);
+  clip.facts.emplace_back("first_frame", std::to_string(tracks->first_frame));
   return RawFile::Of(std::move(clip));
 }
 
@@ -163,8 +126,8 @@ FormatDriver PhspdFormat() {
   d.gives = EvidenceKind::kJointTracks;
   d.unit = UnitOf::kMetres;
   d.sniff = IsOfPhspd;
-  d.read_raw = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
-  d.to_clip = ReadPhspdClip;
+  d.open = [](const FileBytes& file) { return file.path.filename() == kShapes ? ShapesIn(file) : PosesIn(file); };
+  d.to_clip = TracksAsOpened;
   return d;
 }
 

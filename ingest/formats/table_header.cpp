@@ -91,8 +91,9 @@ std::string TakeBracket(std::string_view& cell) {
   return unit;
 }
 
-/// The axis of "posx", "xpos" and "Xposition"; else empty.
+/// The axis of "posx", "xpos", "Xposition", "px" and "tx"; else empty.
 std::string AxisBesidePlace(const std::string& word) {
+  if (word.size() == 2 && IsOneOf(word, "px py pz tx ty tz")) return word.substr(1);
   if (word.size() < 4) return "";
   if (IsOneOf(word.substr(0, 1), kAxes) && IsOneOf(word.substr(1), kPlace)) return word.substr(0, 1);
   const std::string end = word.substr(word.size() - 1);
@@ -319,12 +320,25 @@ std::size_t NamedJoints(const std::vector<HeaderColumn>& columns) {
   return numbered ? 0 : joints.size();
 }
 
+/// The joint that a cell names beside other words, "right_shoulder[0]", "x4_right_shoulder"; empty: none.
+std::string JointAmong(const std::string& cell) {
+  constexpr std::size_t kFewestLetters = 4;  // of a name of one word
+  const Words words = WordsOf(cell);
+  for (std::size_t count = words.size(); count > 0; --count) {
+    for (std::size_t first = 0; first + count <= words.size(); ++first) {
+      const auto begin = words.begin() + static_cast<std::ptrdiff_t>(first);
+      const std::string name = JoinTexts(Words(begin, begin + static_cast<std::ptrdiff_t>(count)), "_");
+      if ((count > 1 || name.size() >= kFewestLetters) && IsKnownJoint(name)) return PlainName(name);
+    }
+  }
+  return "";
+}
+
 /// Different joints that cells name, whatever the columns are.
 std::size_t JointsNamed(const std::vector<HeaderColumn>& columns) {
   std::set<std::string> joints;
-  for (const HeaderColumn& column : columns) {
-    if (IsKnownJoint(column.joint)) joints.insert(PlainName(column.joint));
-  }
+  for (const HeaderColumn& column : columns) joints.insert(JointAmong(column.cell));
+  joints.erase("");
   return joints.size();
 }
 

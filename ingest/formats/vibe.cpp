@@ -192,8 +192,8 @@ Expected<VibeTrack> ReadUestcVideo(const SourceFile& file) {
   const auto opened = CacheOf(file.container);
   if (!opened) return Forward(opened);
   const VibeCache& cache = (*opened)->archive;
-  if (Status there = CheckEntry(file.entry, cache.size(), file.name); !there) return Forward(there);
-  return cache.Track(static_cast<std::size_t>(file.entry));
+  if (Status there = CheckEntry(file.facts.entry, cache.size(), file.name); !there) return Forward(there);
+  return cache.Track(static_cast<std::size_t>(file.facts.entry));
 }
 
 /// The performer's starting point has two coordinates in the image.
@@ -333,7 +333,7 @@ Expected<IngestedClip> ClipOfPerson(const UestcPerson& person, const SourceFile&
   std::string ids;
   for (const std::int64_t id : person.chosen) ids += (ids.empty() ? "" : "+") + std::to_string(id);
   if (!ids.empty()) ingested->clip.provenance["tracks"] = ids;
-  if (file.container.empty() || file.entry < 0) ingested->content.clear();  // the content is the file's bytes
+  if (file.container.empty() || file.facts.entry < 0) ingested->content.clear();  // the content is the file's bytes
   return ingested;
 }
 
@@ -370,9 +370,10 @@ Expected<IngestedClip> ReadUestcClip(const SourceFile& file) {
     person.track = std::move(*track);
   }
   VibeTrack& track = person.track;
-  if (auto finding = CheckFrameCount(file.most_frames, track.frames, file.entry)) person.findings.push_back(*finding);
-  if (file.most_frames > 0 && static_cast<std::size_t>(file.most_frames) < track.frames) {
-    const auto wanted = static_cast<std::size_t>(file.most_frames);
+  if (auto finding = CheckFrameCount(file.facts.most_frames, track.frames, file.facts.entry))
+    person.findings.push_back(*finding);
+  if (file.facts.most_frames > 0 && static_cast<std::size_t>(file.facts.most_frames) < track.frames) {
+    const auto wanted = static_cast<std::size_t>(file.facts.most_frames);
     KeepFrames(track.pose, track.frames, wanted);
     KeepFrames(track.joints3d, track.frames, wanted);
     KeepFrames(track.original_camera, track.frames, wanted);
@@ -416,7 +417,7 @@ FormatDriver UestcFormat() {
   d.options = {"container", "root_translation", "people"};
   d.check = CheckStart;
   d.sniff = [](const FileBytes& file, FileKind) { return IsUestcInfo(file.path); };
-  d.read_raw = ReadRawUestcInfo;
+  d.open = ReadRawUestcInfo;
   d.propose = ProposeUestc;
   d.to_clip = ReadUestcClip;
   d.entries = UestcEntries;

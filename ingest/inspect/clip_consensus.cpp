@@ -199,8 +199,9 @@ const InspectedClip& ClipConsensus::ClearestSkeleton() const {
 
 std::vector<std::string> ClipConsensus::files() const {
   std::vector<std::string> names;
+  std::set<std::string> known;
   for (const InspectedClip* clip : clips_) {
-    if (std::find(names.begin(), names.end(), clip->file) == names.end()) names.push_back(clip->file);
+    if (known.insert(clip->file).second) names.push_back(clip->file);
   }
   return names;
 }

@@ -120,10 +120,6 @@ void WriteAxes(const Proposal& proposal, DeclarationWriter& writer);
 void WriteRate(const Proposal& proposal, DeclarationWriter& writer);
 void WriteSkeleton(const Proposal& proposal, DeclarationWriter& writer);
 
-/// The most frequent text of a fact, of those that leave nothing to fill in where there are any, and a clip with it;
-/// null where there is none.
-std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key);
-
 /// The names of images as a pattern with {`field`} for the camera and, where they are numbered, {frame}: what most of
 /// them follow. Empty where none names a camera.
 std::string EstimateImages(const std::vector<std::string>& names, const std::vector<std::string>& cameras,

@@ -21,8 +21,9 @@ std::string OtherTaken(const NamePatternEstimate& estimate, const std::vector<st
   const Expected<NamePattern> pattern = NamePattern::Parse(estimate.pattern, "files");
   for (const std::filesystem::path& entry : EntriesOf((folder / names.front()).parent_path()))
     others.push_back(DisplayPath(entry.lexically_relative(folder)));
+  const std::set<std::string> own(names.begin(), names.end());
   const auto taken = std::find_if(others.begin(), others.end(), [&](const std::string& name) {
-    return pattern && pattern->Match(name) && std::find(names.begin(), names.end(), name) == names.end();
+    return pattern && own.count(name) == 0 && pattern->Match(name);
   });
   return taken == others.end() ? "" : *taken;
 }
@@ -47,7 +48,6 @@ void WriteValues(const NamePatternEstimate& estimate, const std::vector<std::str
     }
     const char* note = names.size() == 1               ? ""
                        : values.size() == names.size() ? "; one for each clip: as `label` each clip would be a class"
-                       : values.size() == 1            ? "; one for all clips: as `person` they would be one person's"
                                                        : "";
     writer.Comment("{" + field + "}: " + Counted(values.size(), "value") + ": " + list +
                    (values.size() > kMostValues ? ", ..." : "") + note);
@@ -75,10 +75,20 @@ NamePatternEstimate WriteFiles(const Proposal& proposal, DeclarationWriter& writ
   if (!narrow && !taken.empty())
     writer.Comment("`files` also matches files of another source, e.g. " + taken +
                    ": narrow the pattern, or move those files away.");
+  const Expected<NamePattern> pattern = NamePattern::Parse(estimate.pattern, "files");
+  const auto left = std::find_if(names.begin(), names.end(),
+                                 [&](const std::string& name) { return !pattern || !pattern->Match(name); });
+  if (left != names.end()) {
+    writer.Unknown("files", "the names have no pattern in common, as '" + names.front() + "' and '" + *left +
+                                "': write one for a part of them, e.g. '" + estimate.pattern +
+                                "', or put them into folders of one depth");
+    return estimate;
+  }
   writer.Value("files", YamlQuoted(estimate.pattern),
                narrow ? "the name of one file: a pattern would also match files of another source, e.g. " + taken
-               : estimate.common ? "what " + std::to_string(names.size()) + " names have in common"
-                                 : "the names have no common pattern");
+               : names.size() == 1 ? "the name of the one file"
+               : estimate.common   ? "what " + std::to_string(names.size()) + " names have in common"
+                                   : "the names have no common pattern");
   WriteValues(estimate, names, writer);
   return estimate;
 }

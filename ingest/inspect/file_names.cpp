@@ -17,14 +17,14 @@ struct Pieces {
   std::string ending;
 };
 
-Pieces PiecesOf(const std::string& name) {
+Pieces PiecesOf(const std::string& name, std::string_view separators = "_/") {
   Pieces pieces;
   const std::size_t dot = name.rfind('.');
   const bool has_ending = dot != std::string::npos && name.find('/', dot) == std::string::npos;
   pieces.ending = has_ending ? name.substr(dot) : "";
   pieces.parts.emplace_back();
   for (const char c : name.substr(0, name.size() - pieces.ending.size())) {
-    if (c == '_' || c == '/') {
+    if (separators.find(c) != std::string_view::npos) {
       pieces.joints += c;
       pieces.parts.emplace_back();
     } else {
@@ -111,16 +111,17 @@ std::string FormOf(const std::string& name) {
   return pieces.joints + pieces.ending;
 }
 
-NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names) {
-  if (names.empty()) return {};
+namespace {
+
+std::optional<NamePatternEstimate> EstimateCutAt(std::string_view separators, const std::vector<std::string>& names) {
   std::vector<Pieces> all;
-  for (const std::string& name : names) all.push_back(PiecesOf(name));
+  for (const std::string& name : names) all.push_back(PiecesOf(name, separators));
   const Pieces& first = all.front();
   const bool alike = std::all_of(all.begin(), all.end(), [&](const Pieces& pieces) {
     return pieces.joints == first.joints && pieces.ending == first.ending &&
            std::none_of(pieces.parts.begin(), pieces.parts.end(), [](const std::string& part) { return part.empty(); });
   });
-  if (names.size() == 1 || !alike) return Unlike(first);
+  if (names.size() == 1 || !alike) return std::nullopt;
   NamePatternEstimate estimate;
   estimate.common = true;
   for (std::size_t i = 0; i < first.parts.size(); ++i) {
@@ -139,7 +140,17 @@ NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names) {
     estimate.pattern += "{" + estimate.fields.back() + "}";
   }
   estimate.pattern += first.ending;
-  return estimate.fields.empty() ? Unlike(first) : estimate;
+  return estimate.fields.empty() ? std::nullopt : std::optional(estimate);
+}
+
+}  // namespace
+
+NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names) {
+  if (names.empty()) return {};
+  for (const char* separators : {"_/- ", "_/"}) {
+    if (auto estimate = EstimateCutAt(separators, names)) return *std::move(estimate);
+  }
+  return Unlike(PiecesOf(names.front()));
 }
 
 std::optional<std::string> EstimateCompanionPattern(const NamePatternEstimate& estimate,

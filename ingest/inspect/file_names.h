@@ -24,8 +24,9 @@ struct NamePatternEstimate {
 /// What names of one form share: folders, the places of '_', the ending.
 std::string FormOf(const std::string& name);
 
-/// Names are cut at '/' and '_'. A part that is the same in all stays, as do letters that are the same before differing
-/// digits ("a01": "a{part1}"); every other part is a field. What the fields mean is not estimated.
+/// Names are cut at '/', '_', '-' and blanks where all are alike, else at '/' and '_'. A part that is the same in all
+/// stays, as do letters that are the same before differing digits ("a01": "a{part1}"); every other part is a field.
+/// What the fields mean is not estimated.
 NamePatternEstimate EstimateNamePattern(const std::vector<std::string>& names);
 
 /// For files that belong to others ("HDM_bd.asf" to "01/HDM_bd_jog_001.amc"): a text of the pattern's fields that gives

@@ -116,7 +116,7 @@ Status Inspector::Read(const FolderFile& file, Content& content) {
     default:
       break;
   }
-  const Expected<RawFile> observed = ReadRawFile(bytes, content.kind);
+  const Expected<RawFile> observed = ReadRawFile(bytes, content.kind, content.format);
   if (!observed) return Forward(observed);
   Add(*observed, file.name);
   return {};
@@ -203,11 +203,12 @@ void Inspector::AddExcluded(const std::filesystem::path& folder, const ItemResul
 
 /// Whether a file that is asked for by itself is one of the source: by its name, or, of sources whose clips are single
 /// files, whatever it is called.
-bool IsOfSource(const std::filesystem::path& path, IngestOptions& options) {
+bool IsOfSource(const std::filesystem::path& path, IngestOptions& options, std::vector<Finding>& findings) {
   if (!options.source.container.empty()) {
     return path.filename() == std::filesystem::path(options.source.container).filename();
   }
-  RelaxFilePattern(options);
+  if (const auto relaxed = RelaxFilePattern(options))
+    findings.push_back(FindingAt(DisplayPath(path.filename()), "name_mismatch", Severity::kInfo, 0.0, *relaxed));
   const auto pattern = NamePattern::Parse(options.source.files, "ingest.source.files");
   std::error_code unknown;
   std::filesystem::path folder = std::filesystem::absolute(path, unknown).lexically_normal();
@@ -224,7 +225,7 @@ void Inspector::ReadDeclared(const std::filesystem::path& path) {
   options.path = path;
   options.source = *source_;
   const std::string name = DisplayPath(path.filename());
-  if (!folder_ && !IsOfSource(path, options)) {
+  if (!folder_ && !IsOfSource(path, options, findings())) {
     findings().push_back(FindingAt(name, "name_mismatch", Severity::kWarning, 0.0,
                                    "the file is not what the source declares, '" +
                                        (source_->container.empty() ? source_->files : source_->container) +

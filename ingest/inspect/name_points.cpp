@@ -140,6 +140,32 @@ void RawClip::TakePoints(int count, const std::vector<double>& xyz) {
   }
 }
 
+void RawClip::CutDamagedEnds() {
+  std::vector<char> damaged(static_cast<std::size_t>(frames), 0);
+  for (const Finding& remark : remarks) {
+    const auto end = damaged.begin() + std::clamp(remark.frame_end, 0, frames);
+    if (remark.severity != Severity::kInfo && remark.action == FindingAction::kDropped)
+      std::fill(damaged.begin() + std::clamp(remark.frame_begin, 0, frames), end, 1);
+  }
+  const auto first = std::find(damaged.begin(), damaged.end(), 0),
+             last = std::find(damaged.rbegin(), damaged.rend(), 0).base();
+  if (first == damaged.end() || last - first == frames) return;
+  const auto begin = first - damaged.begin(), end = last - damaged.begin();
+  const auto keep = [&](auto& values) {
+    const auto each = static_cast<std::ptrdiff_t>(values.size()) / frames;
+    if (!values.empty()) values = {values.begin() + each * begin, values.begin() + each * end};
+  };
+  keep(positions.xyz);
+  keep(confidence);
+  keep(zeros);
+  for (Finding& remark : remarks) {
+    remark.frame_begin = std::max(0, remark.frame_begin - static_cast<int>(begin));
+    remark.frame_end = std::max(remark.frame_begin, remark.frame_end - static_cast<int>(begin));
+  }
+  frames = static_cast<int>(end - begin);
+  if (!positions.empty()) positions.frames = frames;
+}
+
 bool RecogniseOrder(RawClip& clip) {
   if (clip.frames < 2) {
     clip.skeleton.evidence =

@@ -66,6 +66,8 @@ struct RawClip {
     for (const int f : lost)
       std::fill_n(confidence.begin() + static_cast<std::ptrdiff_t>(f) * positions.joints, positions.joints, 0.0);
   }
+  /// Frames at both ends whose rows are damaged, by the remarks, show nothing: they are cut, as a run cuts them.
+  void CutDamagedEnds();
   void AddRemarks(const std::vector<Finding>& more) { remarks.insert(remarks.end(), more.begin(), more.end()); }
 };
 

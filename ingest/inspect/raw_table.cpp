@@ -70,6 +70,14 @@ Expected<TableReading> BestLayout(const JointTable& rows, const std::string& nam
   Expected<std::vector<HeaderColumn>> named = HeaderColumns(rows.header, rows.columns, name);
   if (!named) return Forward(named);
   if (!named->empty()) return NamedLayout(rows, *std::move(named), name);
+  const auto leading = static_cast<std::size_t>(rows.columns % 3);  // a frame number or a time before the vectors
+  NpyArray numbers{
+      {static_cast<std::size_t>(rows.frames), static_cast<std::size_t>(rows.columns) - leading}, "", {}, {}};
+  for (std::size_t at = 0; leading < 2 && at < rows.values.size(); ++at) {
+    if (at % static_cast<std::size_t>(rows.columns) >= leading) numbers.values.push_back(rows.values[at]);
+  }
+  if (const std::string rotations = RotationsInstead(numbers, ""); !rotations.empty())
+    return Fail(ErrorCode::kUnsupported, "the table holds " + rotations, name);
   const std::optional<RowLayout> counted = CountedLayout(rows);
   const std::vector<RowLayout> layouts = counted ? std::vector<RowLayout>{*counted} : PossibleLayouts(rows);
   std::optional<TableReading> known = KnownLayout(rows, layouts);
@@ -130,6 +138,7 @@ Status ReadAsProposed(std::string_view bytes, bool end_word, const std::string& 
   RawClip& clip = reading.clip;
   clip.TakePoints(rows->frames, rows->position);
   clip.AddRemarks(rows->findings);
+  clip.CutDamagedEnds();
   if (rows->hz > 0.0) {
     clip.rate_hz = NearestUsualRate(rows->hz).value_or(std::round(1000.0 * rows->hz) / 1000.0);
     clip.rate_finding = CheckStatedRate(*clip.rate_hz, RateUnit::kFramesPerSecond, clip.rate_evidence);
@@ -179,11 +188,12 @@ Finding DecimalCommas() {
 }
 
 Expected<RawFile> ReadRawTable(const FileBytes& file) {
-  const auto& [bytes, name, path] = file;
+  const std::string_view bytes = file.bytes;
+  const std::string& name = file.name;
   const Expected<std::optional<std::string>> points = WithDecimalPoints(bytes, name);
   if (!points) return Forward(points);
   if (*points) {
-    Expected<RawFile> observed = ReadRawTable({**points, name, path});
+    Expected<RawFile> observed = ReadRawTable({**points, name, file.path});
     if (observed) observed->clips.front().remarks.push_back(DecimalCommas());
     return observed;
   }

@@ -63,9 +63,8 @@ Expected<RawFile> ReadRawCalibration(const FileBytes& file) {
   return observed;
 }
 
-Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind) {
-  const FormatDriver* format = RecogniseFormat(file, kind);
-  if (format != nullptr && format->read_raw != nullptr) return format->read_raw(file);
+Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind, const FormatDriver* format) {
+  if (format != nullptr && format->open != nullptr) return format->open(file);
   const auto refuse = [&](const char* what, const char* hint) {
     return Fail(ErrorCode::kUnsupported, what, file.name, hint);
   };
@@ -74,7 +73,6 @@ Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind) {
       return ReadRawOpenSim(file);
     case FileKind::kXml:
     case FileKind::kToml:
-      return ReadRawCalibration(file);
     case FileKind::kJson:
       return ReadRawCalibration(file);
     case FileKind::kBabel:

@@ -24,6 +24,8 @@
 
 namespace mocurate {
 
+struct FormatDriver;
+
 /// Points in space that are no motion, in the file's unit.
 struct RawCloud {
   std::string format;  ///< "ply", "pcd"
@@ -72,6 +74,7 @@ struct FileBytes {
   std::string_view bytes;
   std::string name;
   std::filesystem::path path;
+  DamagedRows damaged_rows = DamagedRows::kReport;
 };
 
 /// Names of files of one frame each: the last number in a name is the frame's. Files whose names differ in another
@@ -137,9 +140,9 @@ class RawSequences {
   std::map<std::string, Folder> folders_;
 };
 
-/// One file of any kind but those of RawSequences. Errors of the formats; kUnsupported for content that is no
-/// motion.
-Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind);
+/// One file of any kind but those of RawSequences; `format` as RecogniseFormat gives it. Errors of the formats;
+/// kUnsupported for content that is no motion.
+Expected<RawFile> ReadRawFile(const FileBytes& file, FileKind kind, const FormatDriver* format);
 
 /// Joints of an array (frames, joints, 3), (frames, joints * 3), or a batch of them; kUnsupported for others.
 Expected<std::vector<RawClip>> ReadRawArray(const NpyArray& array, const std::string& name);

@@ -124,20 +124,6 @@ std::optional<double> UsualRate(double measured) {
 
 }  // namespace
 
-std::pair<std::string, const InspectedClip*> UsualFact(const ClipConsensus& source, const char* key) {
-  std::map<std::string, std::size_t> counts;
-  std::pair<std::string, const InspectedClip*> usual{"", nullptr};
-  const auto open = [](const std::string& text) { return text.find(kFillIn) != std::string::npos; };
-  for (const InspectedClip* clip : source.clips()) {
-    const std::string text = clip->Fact(key);
-    if (text.empty()) continue;
-    const std::size_t count = ++counts[text];
-    const bool better = open(text) == open(usual.first) ? count > counts[usual.first] : !open(text);
-    if (usual.second == nullptr || better) usual = {text, clip};
-  }
-  return usual;
-}
-
 void WriteRate(const Proposal& proposal, DeclarationWriter& writer) {
   const Vote<double> rate = proposal.source.Ask(&InspectedClip::rate_hz);
   if (!rate.value) {
@@ -295,7 +281,9 @@ Expected<WrittenDeclaration> DeclareSource(const Inspection& inspection, const s
     const auto fault = std::find_if(inspection.findings.begin(), inspection.findings.end(),
                                     [](const Finding& finding) { return finding.severity == Severity::kError; });
     if (fault != inspection.findings.end()) why += ": " + fault->message;
-    return Fail(ErrorCode::kUnsupported, why, DisplayPath(path), "`mocurate inspect` describes the files");
+    return Fail(ErrorCode::kUnsupported, why, DisplayPath(path),
+                inspection.clouds.empty() ? "`mocurate inspect` describes the files"
+                                          : "clouds are a file a frame: give the folder that holds them");
   }
   const FormatDriver& driver = DriverOf(DeclaredFormat(observed));
   const ClipConsensus source(inspection, observed);

@@ -112,6 +112,16 @@ std::optional<std::string> BodyIn(const Points& points) {
   return scores[0].order->name;
 }
 
+/// Whether two of SMPL's joints without its root, the feet, are 0 0 0 throughout, as fits to captures leave them.
+bool FeetNeverTurn(const JointPositions& vectors) {
+  for (const int foot : {9, 10}) {
+    for (int f = 0; f < vectors.frames; ++f) {
+      if (!Vector3d(vectors.at(f, foot)).isZero(0.0)) return false;
+    }
+  }
+  return true;
+}
+
 std::string ShapeOfAxes(const Axes& axes) {
   std::array<std::string, 3> names;
   names[axes[0]] = "frames";
@@ -203,9 +213,8 @@ bool IsBodyParameter(std::string_view name) {
 }
 
 std::string RotationsInstead(const NpyArray& array, const std::string& name, const std::vector<RawBone>& declared) {
-  // Of 63 and 69 numbers nothing but the name tells: other skeletons have 21 and 23 joints.
   constexpr std::pair<std::size_t, const char*> kColumns[] = {
-      {66, "SMPL's body"}, {72, "SMPL"}, {156, "SMPL-H"}, {165, "SMPL-X"}};
+      {63, "SMPL-H's body"}, {66, "SMPL's body"}, {69, "SMPL's body"}, {72, "SMPL"}, {156, "SMPL-H"}, {165, "SMPL-X"}};
   constexpr int kBody = 22;           // joints that all of them begin with
   constexpr double kHalfTurn = 3.15;  // radians
   const std::string way =
@@ -213,14 +222,18 @@ std::string RotationsInstead(const NpyArray& array, const std::string& name, con
       "`mocap_framerate` in one .npz, which is read with its rotations";
   const std::string stem = std::filesystem::path(name).stem().string();
   if (IsBodyParameter(stem)) return "'" + stem + "' of a program of SMPL" + way;
-  const bool flat = array.shape.size() == 2 && !array.values.empty() && array.shape[0] >= kFewestArrayFrames;
+  const bool zero = std::all_of(array.values.begin(), array.values.end(), [](double value) { return value == 0.0; });
+  const bool frames = array.shape.size() == 2 && !zero && array.shape[0] >= kFewestArrayFrames;
+  const std::size_t wide = frames ? array.shape[1] : 0;
   const auto* of = std::find_if(std::begin(kColumns), std::end(kColumns),
-                                [&](const auto& columns) { return flat && array.shape[1] == columns.first; });
+                                [&](const auto& columns) { return wide == columns.first; });
   if (of == std::end(kColumns)) return "";
   for (std::size_t at = 0; at + 2 < array.values.size(); at += 3) {
     if (!(std::hypot(array.values[at], array.values[at + 1], array.values[at + 2]) <= kHalfTurn)) return "";
   }
-  const Points points = ReadPoints({{array.shape[0], array.shape[1] / 3, 3}, array.dtype, array.values, {}}, kAsItLies);
+  const Points points = ReadPoints({{array.shape[0], wide / 3, 3}, array.dtype, array.values, {}}, kAsItLies);
+  // Other skeletons have as many joints as SMPL without its root.
+  if ((wide == 63 || wide == 69) && !FeetNeverTurn(points.positions)) return "";
   const Expected<SkeletonPtr> smpl = KnownSkeleton("smpl24");
   const std::vector<std::string> body(kSmplJointNames, kSmplJointNames + kBody);
   if (!declared.empty() && ScoreBody(points.positions, points.confidence, declared).IsBody()) return "";
@@ -310,7 +323,13 @@ Expected<ArrayOfClip> ReadArrayClip(std::string_view bytes, const std::string& i
     return Fail(ErrorCode::kInconsistent, "the archive has no array '" + parts[0] + "'", name);
   }
   if (parts.size() == 1) return alone(*array);
-  return alone(EntryOf(*array, static_cast<std::size_t>(ParseInteger(parts[1]).value_or(0)), name));
+  const auto entry = static_cast<std::size_t>(ParseInteger(parts[1]).value_or(0));
+  const std::optional<ArrayShape> shape = ShapeOfJoints(array->shape);
+  const std::size_t classes = shape ? shape->classes : 0;
+  Expected<NpyArray> clip = EntryOf(*array, classes > 0 ? entry / classes : entry, name);
+  if (clip && classes > 0) clip = EntryOf(*std::move(clip), entry % classes, name);
+  if (!clip || !shape || !shape->frames_last) return alone(std::move(clip));
+  return alone(FramesFirst(*clip, shape->frames));
 }
 
 std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints) {
@@ -318,6 +337,12 @@ std::optional<AxisOrder> ExchangedAxes(const NpyArray& array, std::size_t joints
   if (std::none_of(std::begin(kExchanged), std::end(kExchanged),
                    [&](const Axes& axes) { return Possible(array, axes); }))
     return std::nullopt;
+  if (array.shape[0] == 3 && array.shape[2] % 3 == 0 && array.shape[2] / 3 >= kFewestArrayJoints) {
+    // A batch of three clips, (clips, frames, joints * 3).
+    const NpyArray first = EntryOf(array, 0, "").value_or(NpyArray());
+    const std::vector<std::size_t> shape = {array.shape[1], array.shape[2] / 3, 3};
+    if (BodyIn(ReadPoints({shape, first.dtype, first.values, {}}, kAsItLies))) return std::nullopt;
+  }
   bool loose = true;  // no two points keep their distance as they lie
   if (array.shape[2] == 3) {
     if (joints > 0 && array.shape[1] == joints) return std::nullopt;

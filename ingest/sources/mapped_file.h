@@ -76,7 +76,7 @@ struct MappedArchive {
 };
 
 /// Error for an entry beyond the `count` clips of a container.
-inline Status CheckEntry(int entry, std::size_t count, const std::string& name) {
+inline Status CheckEntry(std::int64_t entry, std::size_t count, const std::string& name) {
   if (entry >= 0 && static_cast<std::size_t>(entry) < count) return {};
   return Fail(ErrorCode::kInconsistent,
               "clip " + std::to_string(entry) + " does not exist, the file has " + std::to_string(count), name,

@@ -10,6 +10,7 @@
 #include "core/motion/clip.h"
 #include "core/pipeline/stage.h"
 #include "core/quality/handedness.h"
+#include "ingest/item_facts.h"
 #include "ingest/options.h"
 #include "ingest/sources/pattern.h"
 
@@ -86,12 +87,9 @@ struct SourceFile {
   std::vector<StageInput> calibrations = {};  ///< openpose, depth_views
   std::string skeleton_name = {};             ///< asf_amc: the .asf
   std::string skeleton_bytes = {};
-  std::string annotation = {};           ///< amass: JSON of one BABEL sequence, or empty
   std::filesystem::path container = {};  ///< the file that contains this clip among others; `bytes` is empty then
-  int entry = -1;                        ///< index of the clip in the container
-  int most_frames = 0;                   ///< maximum number of frames of the clip; 0: all
-  std::string array = {};                ///< npy: the clip in a file of arrays, sources/array_clips.h
-  std::vector<ViewFile> views = {};      ///< ntu_skeleton with views.multi_view: all of them, the first is the file too
+  ItemFacts facts = {};
+  std::vector<ViewFile> views = {};  ///< ntu_skeleton with views.multi_view: all of them, the first is the file too
 };
 
 /// Action for a contradiction between a clip and its declaration: flagged, or refused where `on_contradiction` asks for

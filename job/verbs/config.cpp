@@ -8,6 +8,7 @@
 #include "ingest/inspect/source_declaration.h"
 #include "ingest/synthetic/studio_options.h"
 #include "job/config_loading.h"
+#include "job/motion_files.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
 
@@ -55,6 +56,23 @@ std::string NameFor(const std::filesystem::path& path) {
   return name.empty() ? "source" : name;
 }
 
+Expected<WrittenDeclaration> Propose(const InitConfigArguments& arguments) {
+  const std::string name = arguments.name.empty() ? NameFor(arguments.path) : arguments.name;
+  return DeclareSource(InspectPath(arguments.path, std::nullopt), arguments.path, name);
+}
+
+/// The declaration that `mocurate export` wrote beside its files, with the path of their folder.
+Expected<WrittenDeclaration> CopyDeclaration(const std::filesystem::path& file) {
+  Expected<std::string> text = ReadFile(file);
+  if (!text) return Forward(text);
+  LogInfo("the declaration beside the files is taken, " + DisplayPath(file));
+  std::error_code unknown;
+  const std::string here = "  path: .\n", folder = DisplayPath(std::filesystem::absolute(file.parent_path(), unknown));
+  const std::size_t at = text->find(here);
+  if (at != std::string::npos) text->replace(at, here.size(), "  path: " + YamlQuoted(folder) + "\n");
+  return WrittenDeclaration{*std::move(text), {}, {}};
+}
+
 }  // namespace
 
 Status ShowConfigVerb(CommonArguments& common, const ConfigArguments& arguments) {
@@ -86,9 +104,8 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
     return Fail(ErrorCode::kNotFound, "there is no such file or folder", DisplayPath(arguments.path));
   }
   if (Status free = CheckOutputs({arguments.output}, {arguments.path}, arguments.force); !free) return free;
-  const Inspection inspection = InspectPath(arguments.path, std::nullopt);
-  const std::string name = arguments.name.empty() ? NameFor(arguments.path) : arguments.name;
-  const Expected<WrittenDeclaration> written = DeclareSource(inspection, arguments.path, name);
+  const auto beside = DeclarationBeside(arguments.path);
+  const Expected<WrittenDeclaration> written = beside ? CopyDeclaration(*beside) : Propose(arguments);
   if (!written) return Forward(written);
   if (!arguments.output.empty()) {
     if (Status saved = WriteFile(arguments.output, written->yaml); !saved) return saved;
@@ -96,6 +113,7 @@ Status InitConfigVerb(CommonArguments& common, const InitConfigArguments& argume
   const nlohmann::json answer = {
       {"declaration", written->yaml}, {"unknown", written->unknown}, {"output", DisplayPath(arguments.output)}};
   if (AnswersInText(common, answer) && arguments.output.empty()) Print("%s", written->yaml.c_str());
+  if (!written->others.empty()) LogWarning("not of this source: " + JoinTexts(written->others));
   if (!written->unknown.empty()) LogWarning("fill in before a run: " + JoinTexts(written->unknown));
   return {};
 }

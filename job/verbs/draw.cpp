@@ -40,6 +40,7 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     return Fail(ErrorCode::kUsage, "the output is neither a picture (.svg, .png) nor a video (.mp4)",
                 DisplayPath(arguments.output), "name e.g. -o motions.svg");
   }
+  if (Status known = CheckTolerated(arguments.tolerate); !known) return known;
   const auto options = PictureOf(arguments);
   if (!options) return Forward(options);
   std::vector<fs::path> inputs;

@@ -51,17 +51,10 @@ struct ClipsToExport {
   std::vector<Finding> findings;                    ///< about the clips
 };
 
-/// Whether a name of --clip means the id: all of it, or what stands behind a '/'; with its span of frames or without.
-bool MeansClip(const std::string& id, const std::string& name) {
-  const auto is_end = [&](const std::string& whole) {
-    return whole == name || EndsWith(whole, "/" + name) || (EndsWith(whole, name) && name[0] == '[');
-  };
-  return is_end(id) || is_end(id.substr(0, id.rfind('#')));
-}
-
 /// Rows of the clips that --clip names; all without names. Error for the first name without a clip, or with several
 /// where it has no span.
-Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& ids, const ExportArguments& arguments) {
+Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& ids, const std::vector<Clip>& clips,
+                                              const ExportArguments& arguments) {
   std::set<std::size_t> chosen;
   for (std::size_t row = 0; row < ids.size() && arguments.clips.empty(); ++row) chosen.insert(row);
   for (const std::string& name : arguments.clips) {
@@ -69,7 +62,7 @@ Expected<std::vector<std::size_t>> ChosenRows(const std::vector<std::string>& id
     for (std::size_t row = 0; row < ids.size(); ++row) {
       if (ids[row] == name) rows = {row};
       if (ids[row] == name) break;
-      if (MeansClip(ids[row], name)) rows.push_back(row);
+      if (clips.empty() ? IsCalled(ids[row], name) : IsCalled(clips[row], name)) rows.push_back(row);
     }
     if (rows.empty()) {
       const std::string example = ids.empty() ? "" : ", e.g. --clip '" + ids.front() + "'";
@@ -99,9 +92,10 @@ Expected<std::vector<Split>> ChosenSplits(const std::vector<Split>& splits, cons
               names.empty() ? "it has no split: remove --split" : "the splits are " + JoinTexts(names));
 }
 
-Status Choose(const std::vector<std::string>& ids, const std::vector<Split>& splits, const ExportArguments& arguments,
-              std::vector<std::size_t>& rows, ExportSet& set) {
-  Expected<std::vector<std::size_t>> chosen = ChosenRows(ids, arguments);
+/// `clips`: those of the ids, where they are in memory.
+Status Choose(const std::vector<std::string>& ids, const std::vector<Clip>& clips, const std::vector<Split>& splits,
+              const ExportArguments& arguments, std::vector<std::size_t>& rows, ExportSet& set) {
+  Expected<std::vector<std::size_t>> chosen = ChosenRows(ids, clips, arguments);
   if (!chosen) return Forward(chosen);
   rows = std::move(*chosen);
   Expected<std::vector<Split>> of_set = ChosenSplits(splits, arguments);
@@ -128,7 +122,7 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
   for (std::size_t row = 0; row < clips->size(); ++row) ids.push_back(clips->Id(row));
   ClipsToExport open;
   std::vector<std::size_t> rows;
-  if (Status known = Choose(ids, clips->splits(), arguments, rows, open.set); !known) return Forward(known);
+  if (Status known = Choose(ids, {}, clips->splits(), arguments, rows, open.set); !known) return Forward(known);
   open.set.skeleton = clips->skeleton();
   open.set.joints_only = !HasStoredRotations(arguments.path);
   const auto outline = clips->Outline();
@@ -140,7 +134,6 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
 }
 
 Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const ConfigRules& rules) {
-  if (Status known = CheckTolerated(arguments.tolerate); !known) return Forward(known);
   Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source, rules);
   if (!declared) return Forward(declared);
   Expected<ReadMotions> read = ReadAllMotions({declared->ingest, {}, PaddingAction::kNone, arguments.tolerate});
@@ -154,13 +147,16 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const Config
   for (const Clip& clip : set->clips) ids.push_back(clip.id());
   ClipsToExport open;
   std::vector<std::size_t> rows;
-  if (Status known = Choose(ids, set->splits, arguments, rows, open.set); !known) return Forward(known);
+  if (Status known = Choose(ids, set->clips, set->splits, arguments, rows, open.set); !known) return Forward(known);
   open.set.skeleton = set->skeleton;
   open.set.joints_only = set->joints_only;
   open.set.labels = set->labels;
   open.set.fine_labels = set->fine_labels;
   open.read = [set, rows](std::size_t position) { return Expected<Clip>(set->clips[rows[position]]); };
-  open.findings = set->findings;
+  const std::set<std::string> chosen(open.set.ids.begin(), open.set.ids.end());
+  std::copy_if(set->findings.begin(), set->findings.end(), std::back_inserter(open.findings),
+               [&](const Finding& finding) { return finding.clip.empty() || chosen.count(finding.clip) != 0; });
+  open.findings.insert(open.findings.end(), read->excluded.begin(), read->excluded.end());
   open.refused = std::move(read->refused);
   for (RefusedClip& refused : declared->unreadable) open.refused.push_back(std::move(refused));
   return open;
@@ -377,6 +373,7 @@ void PrintExported(CommonArguments& common, const ExportArguments& arguments, co
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
   if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
+  if (Status known = CheckTolerated(arguments.tolerate); !known) return known;
   const Layout& layout = LayoutOf(arguments);
   const Expected<ExportPlace> place = PlaceOf(arguments, layout);
   if (!place) return Forward(place);

@@ -253,6 +253,45 @@ double MedianFootHeight(std::vector<double> heights) {
   return heights[heights.size() / 2];
 }
 
+/// A clip that a check excludes: what is tolerated keeps the other rules.
+TEST(VerbsThatReadFiles, KeepTheGapRuleOfClipsThatAreTolerated) {
+  const ScratchFolder folder;
+  std::string rows;
+  for (int f = 0; f < 120; ++f) {
+    const bool lost = f >= 40 && f < 80;
+    for (int j = 0; j < 15; ++j) {
+      const double jump = f == 20 ? 900.0 : 0.0;
+      rows += lost ? "0 0 0\n" : std::to_string(10 * j + f + jump) + " " + std::to_string(100 * j) + " 2000\n";
+    }
+  }
+  program::WriteText(folder / "a.txt", rows);
+  program::WriteText(
+      folder / "source.yaml",
+      "name: s\ningest:\n  source: {name: s, format: joint_table, files: '{recording}.txt', units: mm, axes: '+x +y "
+      "+z', "
+      "rate: 30 Hz, skeleton: openni15, missing: zero, joints: [head, neck, torso, left_shoulder, left_elbow, "
+      "left_hand, "
+      "right_shoulder, right_elbow, right_hand, left_hip, left_knee, left_foot, right_hip, right_knee, right_foot], "
+      "person: p, label: '', max_missing: 0.2}\n");
+  const std::vector<std::string> arguments = {"export", folder / "a.txt", "--source", folder / "source.yaml",
+                                              "-o",     folder / "a.npz", "--as",     "joints"};
+  std::vector<std::string> codes;  // what is tolerated, one after the other
+  for (const char* next : {"not_joint_positions", "mostly_missing"}) {
+    std::vector<std::string> more = arguments;
+    more.insert(more.end(), codes.begin(), codes.end());
+    const Result refused = RunProgram(folder, more);
+    EXPECT_EQ(refused.exit_code, 3) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr(std::string("--tolerate ") + next));
+    codes.insert(codes.end(), {"--tolerate", next});
+  }
+  std::vector<std::string> more = arguments;
+  more.insert(more.end(), codes.begin(), codes.end());
+  more.insert(more.end(), {"--json", "--inferred", "keep"});
+  const Result tolerated = RunProgram(folder, more);
+  ASSERT_EQ(tolerated.exit_code, 0) << tolerated.err;
+  EXPECT_THAT(tolerated.Json()["findings"].dump(), HasSubstr("long_gap"));
+}
+
 /// What a run refuses, `export` and `draw` refuse too, or go on where the code is tolerated.
 TEST(VerbsThatReadFiles, RefuseWhatARunRefusesUnlessItIsTolerated) {
   const ScratchFolder folder;

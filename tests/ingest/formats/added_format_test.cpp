@@ -76,7 +76,7 @@ class ToyFormat : public ::testing::Test {
     driver.lists_joints = true;
     driver.options = {"least_confidence"};
     driver.sniff = [](const FileBytes& file, FileKind) { return file.path.extension() == ".toy"; };
-    driver.read_raw = ToyIn;
+    driver.open = ToyIn;
     driver.to_clip = ReadToyClip;
     AddFormat(driver);
   }

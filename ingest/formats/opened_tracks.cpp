@@ -1,0 +1,48 @@
+#include <algorithm>
+
+#include "core/base/text.h"
+#include "ingest/formats/driver.h"
+#include "ingest/inspect/read_raw.h"
+
+namespace mocurate {
+
+Expected<IngestedClip> TracksAsOpened(const SourceFile& file) {
+  const SourceOptions& source = file.source;
+  const Expected<RawFile> opened =
+      DriverOf(source.format).open({file.bytes, file.name, file.container, source.damaged_rows});
+  if (!opened) return Forward(opened);
+  if (opened->clips.empty() || opened->clips.front().positions.empty())
+    return Fail(ErrorCode::kInconsistent, "the file has no joints", file.name, "", Reason::kNoValidSamples);
+  const RawClip& raw = opened->clips.front();
+  const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
+  if (!axes) return Forward(axes);
+  const Expected<double> metres = MetresPerUnit(source.units.empty() ? raw.units : source.units);
+  if (!metres) return Forward(metres);
+  IngestedClip ingested;
+  ingested.findings = raw.remarks;
+  ingested.clip.rate =
+      raw.rate_hz ? RateOfFile(source, *raw.rate_hz, ingested, raw.rate_finding) : FrameRate::FromHz(*source.rate_hz);
+  JointTracks tracks;
+  tracks.names = raw.names;
+  tracks.positions = JointPositions(raw.frames, raw.joints);
+  tracks.confidence = raw.confidence;
+  if (tracks.confidence.empty()) tracks.confidence.assign(raw.positions.xyz.size() / 3, 1.0);
+  for (int f = 0; f < raw.frames; ++f) {
+    tracks.time_s.push_back(ingested.clip.rate.FrameTime(f));
+    for (int j = 0; j < raw.joints; ++j) {
+      if (tracks.confidence[static_cast<std::size_t>(f) * raw.joints + j] > 0.0)
+        tracks.positions.at(f, j) = *metres * (axes->canonical_from_source * Vector3d(raw.positions.at(f, j)));
+    }
+  }
+  if (std::count(tracks.confidence.begin(), tracks.confidence.end(), 0.0) ==
+      static_cast<std::ptrdiff_t>(tracks.confidence.size())) {
+    return Fail(ErrorCode::kInconsistent, "no joint is seen at all in " + Counted(raw.frames, "frame"), file.name,
+                "the tracker lost the person: remove the file", Reason::kNoValidSamples);
+  }
+  NoteEmptyFrames(tracks, ingested.findings);
+  for (const auto& [key, text] : raw.facts) ingested.clip.provenance[key] = text;
+  ingested.clip.evidence.tracks = std::move(tracks);
+  return ingested;
+}
+
+}  // namespace mocurate
