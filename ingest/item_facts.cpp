@@ -24,7 +24,9 @@ void ItemFacts::Declare(OptionVisitor& v) {
 }
 
 std::string ItemFacts::Place() const {
-  return !array.empty() ? array : entry >= 0 ? "[" + std::to_string(entry) + "]" : std::string();
+  if (!array.empty()) return array;
+  const std::int64_t index = entry >= 0 ? entry : body - 1;
+  return index >= 0 ? "[" + std::to_string(index) + "]" : "";
 }
 
 ItemFacts FactsOf(const ItemSpec& item) {

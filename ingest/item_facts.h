@@ -23,7 +23,7 @@ struct ItemFacts {
   std::string known_issue;  ///< what a list says of the recording
 
   void Declare(OptionVisitor& v);
-  /// Where the clip stands in its file: "[3]", "[walk][3]"; empty: it is the file.
+  /// Where the clip stands in its file: "[3]", also of people, "[walk][3]"; empty: it is the file.
   std::string Place() const;
 };
 

@@ -15,14 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The name of a file as the pattern sees it: with the folders above that the pattern has.
-std::string NameFor(const fs::path& file, const NamePattern& pattern) {
-  const fs::path whole = fs::absolute(file).lexically_normal();
-  fs::path folder = whole.parent_path();
-  for (int i = 0; i < pattern.least_depth(); ++i) folder = folder.parent_path();
-  return DisplayPath(whole.lexically_relative(folder));
-}
-
 /// The one skeleton beside a motion that does not name its own; that of the motion's name where there are several.
 std::string SkeletonBeside(const fs::path& file) {
   std::vector<std::string> skeletons;
@@ -34,6 +26,13 @@ std::string SkeletonBeside(const fs::path& file) {
 
 }  // namespace
 
+std::string NameInSource(const fs::path& file, const NamePattern& pattern) {
+  const fs::path whole = fs::absolute(file).lexically_normal();
+  fs::path folder = whole.parent_path();
+  for (int i = 0; i < pattern.least_depth(); ++i) folder = folder.parent_path();
+  return DisplayPath(whole.lexically_relative(folder));
+}
+
 std::optional<std::string> RelaxFilePattern(IngestOptions& options) {
   SourceOptions& source = options.source;
   std::error_code unknown;
@@ -43,7 +42,7 @@ std::optional<std::string> RelaxFilePattern(IngestOptions& options) {
   const Expected<NamePattern> declared = NamePattern::Parse(source.files, "ingest.source.files");
   const std::string files = "{recording}" + options.path.extension().string();
   if (!declared || !NamePattern::Parse(files, "ingest.source.files")) return std::nullopt;
-  if (declared->Match(NameFor(options.path, *declared))) return std::nullopt;
+  if (declared->Match(NameInSource(options.path, *declared))) return std::nullopt;
   std::string text = DisplayPath(options.path) + ": the name is not as '" + source.files +
                      "' has it, so that it declares neither who performs nor what: the recording is called as the file";
   // Only what stands in the fields of the pattern is not known.

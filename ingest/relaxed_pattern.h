@@ -1,11 +1,16 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "ingest/options.h"
+#include "ingest/sources/pattern.h"
 
 namespace mocurate {
+
+/// The name of a file as the pattern sees it: with as many folders above it as the pattern has at least.
+std::string NameInSource(const std::filesystem::path& file, const NamePattern& pattern);
 
 /// Where ingest.path is one file whose name is not as ingest.source.files has it, the pattern becomes that name: what
 /// names a clip by fields of the pattern is then not known: the recording is called as the file, the person

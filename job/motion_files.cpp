@@ -162,8 +162,14 @@ Expected<DeclaredMotions> DeclareMotions(const fs::path& path, const std::string
                 "give --source with a source declaration; `mocurate config init " + DisplayPath(path) +
                     " -o source.yaml` writes its known part");
   }
-  return declared(ConfigSource{written->yaml, "what the files show", fs::current_path()}, path,
-                  UnreadableOf(inspection));
+  std::vector<RefusedClip> unreadable = UnreadableOf(inspection);
+  for (const std::string& other : written->others) {
+    const std::string where = DisplayPath(path);
+    unreadable.push_back({where,
+                          {ErrorCode::kInconsistent, other + " are not of the source that is read", where,
+                           "put them into a folder of their own, or declare all with --source"}});
+  }
+  return declared(ConfigSource{written->yaml, "what the files show", fs::current_path()}, path, std::move(unreadable));
 }
 
 Expected<MotionsItem> MakeMotionsItem(const std::string& name, const MotionFiles& files,

@@ -6,6 +6,7 @@
 #include "core/base/text.h"
 #include "core/formats/file_rules.h"
 #include "core/formats/ntu_skeleton.h"
+#include "ingest/folder_listing.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/declaration_writer.h"
 #include "ingest/inspect/read_raw.h"
@@ -215,7 +216,10 @@ void ProposeNtu(const Proposal& proposal, DeclarationWriter& writer) {
     WriteFiles(proposal, writer);
     return WritePersonAndLabel(false, writer);
   }
-  if (folders.size() > 1) files = "{folder?/}" + files;
+  int deepest = 0;
+  for (const std::string& folder : folders) deepest = std::max(deepest, folder.empty() ? 0 : DepthOf(folder) + 1);
+  for (int level = deepest; folders.size() > 1 && level > 0; --level)
+    files = "{folder" + std::to_string(level) + "?/}" + files;
   if (folders.size() == 1 && !folders.begin()->empty()) files = *folders.begin() + "/" + files;
   writer.Value("files", YamlQuoted(files), "declared by the format");
   writer.Value("person", "\"P{person}{body}\"", "declared by the format; {body} numbers the people of a file");

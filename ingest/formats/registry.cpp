@@ -62,6 +62,8 @@ void AddFormat(const FormatDriver& driver) {
   const std::string name = driver.name;
   if (DriverOf(name).name == name) throw std::logic_error("format '" + name + "' exists already");
   if (driver.to_clip == nullptr) throw std::logic_error("format '" + name + "' has no to_clip");
+  if (driver.to_clip == TracksAsOpened && driver.open == nullptr)
+    throw std::logic_error("format '" + name + "' has no open");
   const nlohmann::json options = OptionsToJson(SourceOptions());
   for (const std::string& option : driver.options) {
     if (!options.contains(option)) throw std::logic_error("ingest.source has no option '" + option + "'");

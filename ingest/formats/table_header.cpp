@@ -35,7 +35,9 @@ constexpr const char* kConfidence = "c conf confidence score likelihood prob pro
 constexpr const char* kOther =
     "w qx qy qz qw rx ry rz roll pitch yaw state tracking tracked rot rotation orientation orient quat quaternion "
     "euler "
-    "angle angles vel velocity speed acc accel acceleration force moment";
+    "angle angles vel velocity speed acc accel acceleration force moment emg err error std stdev var sigma gyr gyro "
+    "imu "
+    "mag delta diff normal normals noise";
 
 /// The short name of a unit of length; empty: it is none.
 std::string UnitOf(const std::string& word) {

@@ -12,7 +12,7 @@
 namespace mocurate {
 namespace {
 
-constexpr double kMostOfThem = 0.6;  // share of names of one form, above which the others are another source's
+constexpr double kMostOfThem = 0.9;  // share of names of one form, above which the others are another source's
 
 std::string VoteText(const std::string& value) { return value; }
 std::string VoteText(double value) { return FormatDouble(value); }

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <utility>
 
 #include "core/base/file.h"
 #include "core/base/text.h"
 #include "ingest/folder_listing.h"
 #include "ingest/inspect/file_names.h"
-#include "ingest/inspect/inspect.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {
@@ -64,9 +62,26 @@ void WritePersonAndLabel(bool several, DeclarationWriter& writer) {
   writer.Name("label", "", fields + " that name the action, or \"\" for none; `labels: {a01: wave}` renames");
 }
 
+/// A pattern of files that lie at different depths, whose names have no folders in common.
+NamePatternEstimate AtAnyDepth(const std::vector<std::string>& names) {
+  std::vector<std::string> own;
+  int deepest = 0;
+  for (const std::string& name : names) {
+    own.push_back(name.substr(FolderOf(name).empty() ? 0 : FolderOf(name).size() + 1));
+    deepest = std::max(deepest, DepthOf(name));
+  }
+  NamePatternEstimate estimate = EstimateNamePattern(own);
+  for (int level = deepest; level > 0; --level)
+    estimate.pattern = "{folder" + std::to_string(level) + "?/}" + estimate.pattern;
+  return estimate;
+}
+
 NamePatternEstimate WriteFiles(const Proposal& proposal, DeclarationWriter& writer) {
   const std::vector<std::string> names = proposal.source.files();
   NamePatternEstimate estimate = EstimateNamePattern(names);
+  if (std::any_of(names.begin(), names.end(),
+                  [&](const std::string& name) { return DepthOf(name) != DepthOf(names[0]); }))
+    estimate = AtAnyDepth(names);
   const bool folder = proposal.asked == proposal.folder;
   const std::string taken =
       folder ? OtherTaken(estimate, names, proposal.source.other_files(), proposal.folder) : std::string();

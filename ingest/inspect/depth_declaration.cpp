@@ -1,7 +1,6 @@
 // Folders of depth images: what their names say, and the declaration of those that stand beside calibrations alone.
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <optional>
 #include <set>
@@ -250,7 +249,7 @@ void ProposeDepthViews(const Proposal& proposal, DeclarationWriter& writer) {
     writer.Unknown("files", "no name of a depth image holds that of a camera");
   } else {
     writer.Value("files", YamlQuoted(pattern),
-                 "guessed from the names of " + std::to_string(images.size()) +
+                 "what the names have in common of " + std::to_string(images.size()) +
                      " depth images: files that differ in {camera} and {frame} alone are one clip");
   }
   std::vector<std::string> masks;
@@ -258,7 +257,7 @@ void ProposeDepthViews(const Proposal& proposal, DeclarationWriter& writer) {
     if (name.find("mask") != std::string::npos || name.find("Mask") != std::string::npos) masks.push_back(name);
   }
   if (const std::string mask = EstimateImages(masks, cameras, "camera"); !mask.empty()) {
-    writer.Value("mask_files", YamlQuoted(mask), "guessed from the names: images that are called masks");
+    writer.Value("mask_files", YamlQuoted(mask), "images that are called masks");
   }
   writer.Value("recording", YamlQuoted("recording"), "a choice: all files are one recording");
   WritePersonAndLabel(false, writer);

@@ -1,9 +1,6 @@
 #include "ingest/inspect/file_names.h"
 
 #include <algorithm>
-#include <cctype>
-#include <map>
-#include <set>
 
 #include "ingest/sources/pattern.h"
 

@@ -14,10 +14,10 @@ std::optional<FramePattern> WriteFrames(const std::vector<std::string>& names, b
   if (guessed && views && guessed->pattern.find("{camera}") == std::string::npos) guessed.reset();
   if (guessed) {
     writer.Value("files", YamlQuoted(guessed->pattern),
-                 "guessed from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
+                 "from " + std::to_string(guessed->matching) + " of " + std::to_string(names.size()) +
                      " folders: files that differ in {camera} and {frame} alone are one clip");
     writer.Value("recording", YamlQuoted(guessed->recording ? "{recording}" : "recording"),
-                 guessed->recording ? "guessed: the folder" : "a choice: all files are one recording");
+                 guessed->recording ? "the folder" : "a choice: all files are one recording");
   } else {
     writer.Unknown("files", views ? "the names of the files have no form in common that tells the camera"
                                   : "the names of the files have no form in common");

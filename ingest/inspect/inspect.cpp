@@ -145,9 +145,7 @@ std::string Inspector::PlaceOfClip(const ItemSpec& item) const {
     const bool shared = others != recordings_.end() && others->second.size() > 1;
     if (name.empty() || shared) name += (name.empty() ? "" : "/") + RecordingOf(item);
   }
-  const ItemFacts facts = FactsOf(item);
-  const std::string place = facts.Place();
-  return name + (place.empty() && facts.body > 0 ? "[" + std::to_string(facts.body - 1) + "]" : place);
+  return name + FactsOf(item).Place();
 }
 
 /// The name of a file in the folder asked for, of one below the source's.
@@ -210,14 +208,7 @@ bool IsOfSource(const std::filesystem::path& path, IngestOptions& options, std::
   if (const auto relaxed = RelaxFilePattern(options))
     findings.push_back(FindingAt(DisplayPath(path.filename()), "name_mismatch", Severity::kInfo, 0.0, *relaxed));
   const auto pattern = NamePattern::Parse(options.source.files, "ingest.source.files");
-  std::error_code unknown;
-  std::filesystem::path folder = std::filesystem::absolute(path, unknown).lexically_normal();
-  const std::filesystem::path file = folder;
-  for (int level = 0; pattern && level <= pattern->depth(); ++level) {
-    folder = folder.parent_path();
-    if (pattern->Match(DisplayPath(file.lexically_relative(folder)))) return true;
-  }
-  return !pattern;  // the declaration's error is reported
+  return !pattern || pattern->Match(NameInSource(path, *pattern));  // the declaration's error is reported
 }
 
 void Inspector::ReadDeclared(const std::filesystem::path& path) {

@@ -15,9 +15,7 @@
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/clip_consensus.h"
 #include "ingest/inspect/declaration_writer.h"
-#include "ingest/inspect/joint_orders.h"
 #include "ingest/options.h"
-#include "ingest/sources/babel_segments.h"
 
 namespace mocurate {
 namespace {
@@ -79,41 +77,6 @@ std::string DeclaredFormat(const std::string& inspected) {
   return "";
 }
 
-}  // namespace
-
-void WriteAxes(const Proposal& proposal, DeclarationWriter& writer) {
-  const ClipConsensus& source = proposal.source;
-  const Vote<std::string> axes = source.Ask(&InspectedClip::axes);
-  const Vote<std::string> up = source.Ask(&InspectedClip::up);
-  const Vote<std::string> hand = source.Ask(&InspectedClip::handedness);
-  if (axes.value && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
-    writer.Value("axes", YamlQuoted(*axes.value), axes.comment);
-    return;
-  }
-  const bool known = up.value && hand.value && std::min(up.voters, hand.voters) >= kFewestVoters;
-  if (const auto turned = known ? AxesFrom(*up.value, hand.value == "right") : std::nullopt) {
-    writer.Comment("Up: " + up.comment + ".");
-    writer.Comment("Handedness: " + hand.comment + ".");
-    writer.Value("axes", YamlQuoted(*turned), "people face no one way: which way is front is a choice");
-    return;
-  }
-  const auto stated = [](const Vote<std::string>& vote) {
-    return vote.value.value_or("is unknown (" + vote.comment + ")");
-  };
-  writer.Unknown("axes", "up " + stated(up) + ", handedness " + stated(hand));
-}
-
-void WriteUnits(const Proposal& proposal, DeclarationWriter& writer) {
-  const UnitOf unit = proposal.driver.unit;
-  if (unit == UnitOf::kCentimetres) return writer.Line("    # units: centimetres, declared by the format");
-  if (unit != UnitOf::kDeclaration) return writer.Line("    # units: metres, declared by the format");
-  const Vote<std::string> units = proposal.source.Ask(&InspectedClip::units);
-  if (!units.value) return writer.Unknown("units", units.comment);
-  writer.Value("units", YamlQuoted(*units.value), units.comment);
-}
-
-namespace {
-
 /// The usual rate that the one of a clock is near to.
 std::optional<double> UsualRate(double measured) {
   for (const double usual : {24.0, 25.0, 30.0, 50.0, 60.0, 90.0, 100.0, 120.0, 200.0, 240.0}) {
@@ -121,29 +84,6 @@ std::optional<double> UsualRate(double measured) {
   }
   return std::nullopt;
 }
-
-}  // namespace
-
-void WriteRate(const Proposal& proposal, DeclarationWriter& writer) {
-  const Vote<double> rate = proposal.source.Ask(&InspectedClip::rate_hz);
-  if (!rate.value) {
-    if (!proposal.driver.states_rate) writer.Unknown("rate", rate.comment);
-    return;
-  }
-  const std::string hz = FormatDouble(*rate.value) + " Hz";
-  if (CheckStatedRate(*rate.value, RateUnit::kFramesPerSecond, ""))
-    return writer.Comment("rate: the files' own, " + hz + ", is no rate of a recording: declare the right one");
-  if (rate.from == Provenance::kMeasured) {
-    const std::optional<double> usual = UsualRate(*rate.value);
-    if (!usual) return writer.Comment("rate: by the times of each file, " + rate.comment);
-    return writer.Value("rate", FormatDouble(*usual) + " Hz",
-                        "the usual rate that is nearest; " + rate.comment + ", " + hz);
-  }
-  if (rate.share < kOneRate) return writer.Comment("rate: each file declares its own, mostly " + hz);
-  writer.Value("rate", hz, rate.comment);
-}
-
-namespace {
 
 /// Names of the joints as they stand in the file.
 std::vector<std::string> JointsOf(const InspectedClip& clip) {
@@ -221,6 +161,56 @@ void WriteSource(const std::filesystem::path& path, const std::string& name, con
 }
 
 }  // namespace
+
+void WriteAxes(const Proposal& proposal, DeclarationWriter& writer) {
+  const ClipConsensus& source = proposal.source;
+  const Vote<std::string> axes = source.Ask(&InspectedClip::axes);
+  const Vote<std::string> up = source.Ask(&InspectedClip::up);
+  const Vote<std::string> hand = source.Ask(&InspectedClip::handedness);
+  if (axes.value && axes.share >= kFacingHabit && axes.voters >= kFewestVoters) {
+    writer.Value("axes", YamlQuoted(*axes.value), axes.comment);
+    return;
+  }
+  const bool known = up.value && hand.value && std::min(up.voters, hand.voters) >= kFewestVoters;
+  if (const auto turned = known ? AxesFrom(*up.value, hand.value == "right") : std::nullopt) {
+    writer.Comment("Up: " + up.comment + ".");
+    writer.Comment("Handedness: " + hand.comment + ".");
+    writer.Value("axes", YamlQuoted(*turned), "people face no one way: which way is front is a choice");
+    return;
+  }
+  const auto stated = [](const Vote<std::string>& vote) {
+    return vote.value.value_or("is unknown (" + vote.comment + ")");
+  };
+  writer.Unknown("axes", "up " + stated(up) + ", handedness " + stated(hand));
+}
+
+void WriteUnits(const Proposal& proposal, DeclarationWriter& writer) {
+  const UnitOf unit = proposal.driver.unit;
+  if (unit == UnitOf::kCentimetres) return writer.Line("    # units: centimetres, declared by the format");
+  if (unit != UnitOf::kDeclaration) return writer.Line("    # units: metres, declared by the format");
+  const Vote<std::string> units = proposal.source.Ask(&InspectedClip::units);
+  if (!units.value) return writer.Unknown("units", units.comment);
+  writer.Value("units", YamlQuoted(*units.value), units.comment);
+}
+
+void WriteRate(const Proposal& proposal, DeclarationWriter& writer) {
+  const Vote<double> rate = proposal.source.Ask(&InspectedClip::rate_hz);
+  if (!rate.value) {
+    if (!proposal.driver.states_rate) writer.Unknown("rate", rate.comment);
+    return;
+  }
+  const std::string hz = FormatDouble(*rate.value) + " Hz";
+  if (CheckStatedRate(*rate.value, RateUnit::kFramesPerSecond, ""))
+    return writer.Comment("rate: the files' own, " + hz + ", is no rate of a recording: declare the right one");
+  if (rate.from == Provenance::kMeasured) {
+    const std::optional<double> usual = UsualRate(*rate.value);
+    if (!usual) return writer.Comment("rate: by the times of each file, " + rate.comment);
+    return writer.Value("rate", FormatDouble(*usual) + " Hz",
+                        "the usual rate that is nearest; " + rate.comment + ", " + hz);
+  }
+  if (rate.share < kOneRate) return writer.Comment("rate: each file declares its own, mostly " + hz);
+  writer.Value("rate", hz, rate.comment);
+}
 
 void WriteSkeleton(const Proposal& proposal, DeclarationWriter& writer) {
   const FormatDriver& driver = proposal.driver;
