@@ -130,7 +130,7 @@ constexpr int kBodyJoints = 22;  // common to SMPL, SMPL-H and SMPL-X; SMPL's tw
 
 SmplRotations RotationsIn(const Amass& amass) {
   return {amass.poses, amass.frames, amass.pose_columns,
-          amass.pose_columns == 3 * kSmplJoints ? kSmplJoints : kBodyJoints};
+          amass.pose_columns == std::size_t{3} * kSmplJoints ? kSmplJoints : kBodyJoints};
 }
 
 Finding NotTheSubject(const Skeleton& skeleton) {

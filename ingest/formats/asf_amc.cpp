@@ -357,7 +357,7 @@ std::optional<std::string> EstimateSkeletonFiles(const Proposal& proposal, const
     top = top && FolderOf(*place).empty();
   }
   if (places.empty()) return std::nullopt;
-  const std::optional<std::string> by_fields = EstimateCompanionPattern(estimate, motions, skeletons);
+  std::optional<std::string> by_fields = EstimateCompanionPattern(estimate, motions, skeletons);
   if (by_fields && top) return by_fields;
   if (by_fields && beside) return FolderOf(estimate.pattern) + "/" + *by_fields;
   if (places.size() == 1) return *places.begin();

@@ -15,7 +15,7 @@ extern const char* const kSmplJointNames[kSmplJoints];
 struct SmplRotations {
   const std::vector<double>& vectors;
   std::size_t frames = 0;
-  std::size_t columns = 3 * kSmplJoints;
+  std::size_t columns = std::size_t{3} * kSmplJoints;
   int joints_in_file = kSmplJoints;  ///< the body's; joints after them stay at rest
 };
 

@@ -133,6 +133,20 @@ Expected<ClipsToExport> OpenDataset(const ExportArguments& arguments) {
   return open;
 }
 
+/// One line for each reason for which files gave no clip.
+void LogExcludedFiles(const std::vector<Finding>& excluded) {
+  std::map<std::string, std::vector<const Finding*>> of_code;
+  for (const Finding& finding : excluded) {
+    if (finding.action == FindingAction::kExcluded) of_code[finding.code].push_back(&finding);
+  }
+  for (const auto& [code, findings] : of_code) {
+    const Finding& first = *findings.front();
+    Log(first.severity == Severity::kInfo ? LogLevel::kInfo : LogLevel::kWarning,
+        Counted(static_cast<long long>(findings.size()), "file") + " not exported (" + code +
+            "), the first: " + first.clip + ": " + first.message);
+  }
+}
+
 Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const ConfigRules& rules) {
   Expected<DeclaredMotions> declared = DeclareMotions(arguments.path, arguments.source, rules);
   if (!declared) return Forward(declared);
@@ -142,6 +156,7 @@ Expected<ClipsToExport> ReadFiles(const ExportArguments& arguments, const Config
     if (finding.severity == Severity::kError)
       LogWarning((finding.clip.empty() ? "" : finding.clip + ": ") + finding.message + " (" + finding.code + ")");
   }
+  LogExcludedFiles(read->excluded);
   const auto set = std::make_shared<const Dataset>(std::move(read->set));
   std::vector<std::string> ids;
   for (const Clip& clip : set->clips) ids.push_back(clip.id());
