@@ -40,9 +40,10 @@ Status CheckExtent(const Clip& clip, const std::string& name) {
   int far = 0, first = -1;
   double value = 0.0;
   for (int f = 0; f < joints.frames; ++f) {
-    const auto begin = joints.xyz.begin() + static_cast<std::ptrdiff_t>(f) * joints.joints * 3;
-    const auto found = std::find_if(begin, begin + joints.joints * 3, [](double x) { return std::abs(x) > kFarthest; });
-    if (found == begin + joints.joints * 3) continue;
+    const auto columns = std::ptrdiff_t{3} * joints.joints;
+    const auto begin = joints.xyz.begin() + f * columns, end = begin + columns;
+    const auto found = std::find_if(begin, end, [](double x) { return std::abs(x) > kFarthest; });
+    if (found == end) continue;
     if (first < 0) first = f, value = *found;
     ++far;
   }

@@ -88,7 +88,7 @@ std::string TakeBracket(std::string_view& cell) {
   const std::size_t open = cell.find_last_of("([");
   if (open == std::string_view::npos || (cell.back() != ')' && cell.back() != ']')) return "";
   const std::string inside = Lower(std::string(Trim(cell.substr(open + 1, cell.size() - open - 2))));
-  const std::string unit = UnitOf(inside);
+  std::string unit = UnitOf(inside);
   if (!unit.empty()) cell = Trim(cell.substr(0, open));
   return unit;
 }
@@ -363,7 +363,7 @@ Words JointsIn(const Skeleton& skeleton, const Words& names, Words& unknown) {
   return unknown.empty() ? joints : Words();
 }
 
-tl::unexpected<Error> BadHeader(std::string what, const std::string& name, std::string hint) {
+tl::unexpected<Error> BadHeader(const std::string& what, const std::string& name, std::string hint) {
   return Fail(ErrorCode::kInconsistent, "the header: " + what, name, std::move(hint), Reason::kOtherLayout);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/text.h"
 #include "ingest/sources/pattern.h"
 
 namespace mocurate {

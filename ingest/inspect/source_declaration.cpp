@@ -14,7 +14,9 @@
 #include "ingest/chosen_clips.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/clip_consensus.h"
+#include "ingest/inspect/comparison.h"
 #include "ingest/inspect/declaration_writer.h"
+#include "ingest/inspect/joint_orders.h"
 #include "ingest/options.h"
 
 namespace mocurate {
