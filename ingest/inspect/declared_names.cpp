@@ -44,9 +44,8 @@ void WriteValues(const NamePatternEstimate& estimate, const std::vector<std::str
       if (++listed > kMostValues) break;
       list += (listed > 1 ? ", " : "") + value;
     }
-    const char* note = names.size() == 1               ? ""
-                       : values.size() == names.size() ? "; one for each clip: as `label` each clip would be a class"
-                                                       : "";
+    const bool each = names.size() > 1 && values.size() == names.size();
+    const char* note = each ? "; one for each clip: as `label` each clip would be a class" : "";
     writer.Comment("{" + field + "}: " + Counted(values.size(), "value") + ": " + list +
                    (values.size() > kMostValues ? ", ..." : "") + note);
   }

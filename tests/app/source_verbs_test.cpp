@@ -51,7 +51,7 @@ class Declarations : public ::testing::Test {
   std::vector<std::string> FillNames(std::vector<std::string> unknown) {
     const auto taken = [&](const std::string& key) {
       if (key != "person" && key != "label") return false;
-      Fill(key, key == "label" ? "\"\"" : text_.find("{body}") == std::string::npos ? "somebody" : "p{body}");
+      Fill(key, key == "label" ? "\"\"" : text_.find("{body}") == std::string::npos ? "p01" : "p{body}");
       return true;
     };
     unknown.erase(std::remove_if(unknown.begin(), unknown.end(), taken), unknown.end());
