@@ -19,6 +19,10 @@ constexpr ArmPose kReleaseBoth{1.95, 0.21, -0.90, 0.40, 0.0};
 constexpr ArmPose kSalute{1.92, 0.94, -0.80, 2.18, 0.0};
 constexpr ArmPose kRaised{2.85, 0.25, -0.30, 0.35, 0.0};
 constexpr ArmPose kFist{1.05, 0.25, -0.20, 1.75, 0.0};
+constexpr ArmPose kCarries{0.35, 0.15, -0.45, 1.35, 0.0};
+constexpr ArmPose kAtTheTable{1.30, 0.05, -0.10, 0.25, 0.0};
+constexpr ArmPose kReadyToCatch{1.45, 0.10, -0.40, 0.55, 0.0};
+constexpr ArmPose kCaught{0.62, 0.30, -0.75, 1.95, 0.0};
 
 enum Vessel { kBottle, kCup };
 
@@ -129,6 +133,66 @@ void PickUp(double at, const Manner& m, Pose& pose) {
   Toward(pose.arm[kRightSide], {0.6, 0.15, -0.2, 1.4, 0.0}, Pulse(at, 0.55, 0.85, 0.9, 1.0));
 }
 
+/// Straight down to the floor and up again; the pelvis goes back for balance.
+void BendDown(double at, const Manner& m, Pose& pose) {
+  const double down = Pulse(at, 0.03, 0.42, 0.58, 0.97);
+  Bow(pose, 1.20 * down);
+  pose.trunk_bend += 0.70 * m.amplitude * down;
+  pose.head_nod += 0.15 * down;
+  for (LegPose& leg : pose.leg) {
+    leg.flex += 0.20 * down;
+    leg.knee += 0.15 * down;
+  }
+  for (ArmPose& arm : pose.arm) Toward(arm, {1.65, 0.05, 0.0, 0.10, 0.0}, down);
+}
+
+/// Grips an object on the floor with both hands and lifts it; ends with the object before the belly.
+void PickUpObject(double at, const Manner& m, Pose& pose) {
+  const double down = Pulse(at, 0.02, 0.40, 0.48, 0.90);
+  Crouch(pose, 0.95 * m.amplitude * down);
+  Bow(pose, 0.45 * down);
+  pose.trunk_bend += 0.30 * down;
+  for (ArmPose& arm : pose.arm) {
+    Toward(arm, {1.25, -0.02, 0.0, 0.15, 0.0}, MinimumJerk(at, 0.02, 0.36));
+    Toward(arm, kCarries, MinimumJerk(at, 0.48, 0.86));
+  }
+}
+/// The same backwards: carries the object down with both hands and rises without it.
+void PutDownObject(double at, const Manner& m, Pose& pose) { PickUpObject(1.0 - at, m, pose); }
+
+/// The right hand carries an object to a table, lets go of it and comes back.
+void Place(double at, const Manner& m, Pose& pose) {
+  const double reach = Pulse(at, 0.10, 0.48, 0.60, 0.98);
+  Toward(pose.arm[kRightSide], kCarries, 1.0 - MinimumJerk(at, 0.60, 0.70));
+  Toward(pose.arm[kRightSide], kAtTheTable, reach);
+  Bow(pose, 0.40 * m.amplitude * reach);
+  pose.trunk_bend += 0.25 * reach;
+  pose.trunk_twist += 0.30 * reach;
+  pose.head_nod += 0.25 * reach;
+}
+
+/// Hands up before the face, to the ball, and with it to the chest.
+void Catch(double at, const Manner& m, Pose& pose) {
+  const double ready = MinimumJerk(at, 0.05, 0.42);
+  const double caught = MinimumJerk(at, 0.46, 0.68);
+  for (ArmPose& arm : pose.arm) {
+    Toward(arm, kReadyToCatch, ready);
+    Toward(arm, kCaught, caught);
+  }
+  pose.trunk_bend += m.amplitude * (0.10 * (ready - caught) + 0.12 * caught);
+  pose.head_nod += 0.20 * caught;
+  Crouch(pose, m.amplitude * (0.10 * ready + 0.12 * Pulse(at, 0.46, 0.66, 0.68, 0.95)));
+}
+
+/// On a chair from begin to end; looks about, a hand comes to the chin.
+void StaySeated(double at, const Manner& m, Pose& pose) {
+  const double moves = Pulse(at, 0.10, 0.40, 0.60, 0.90);
+  SitOn(pose, 1.0);
+  Toward(pose.arm[kRightSide], kAtTheMouth, 0.95 * moves);
+  pose.head_rotation += 0.35 * m.amplitude * moves;
+  pose.trunk_bend += 0.20 * moves;
+}
+
 void StandUp(double at, const Manner& m, Pose& pose) {
   const double seated = 1.0 - MinimumJerk(at, 0.15, 0.95);
   const double bow = Pulse(at, 0.0, 0.4, 0.45, 0.95);
@@ -165,7 +229,9 @@ void ShakeFist(double at, const Manner& m, Pose& pose) {
 }  // namespace
 
 const std::vector<ActionRow>& EverydayActions() {
-  static const std::vector<ActionRow> actions = {{"cheer_up", CheerUp, 1.0, 1.8},
+  static const std::vector<ActionRow> actions = {{"bend_down", BendDown, 0.0, 2.4},
+                                                 {"catch", Catch, 0.0, 1.8},
+                                                 {"cheer_up", CheerUp, 1.0, 1.8},
                                                  {"drink_bottle_left", DrinkBottleLeft, 1.6, 2.0},
                                                  {"drink_bottle_right", DrinkBottleRight, 1.6, 2.0},
                                                  {"drink_both_hands", DrinkBothHands, 1.8, 2.4},
@@ -177,9 +243,13 @@ const std::vector<ActionRow>& EverydayActions() {
                                                  {"phone_call", PhoneCall, 2.6, 3.0},
                                                  {"phone_left", PhoneLeft, 2.8, 2.0},
                                                  {"pick_up", PickUp, 0.0, 2.4},
+                                                 {"pick_up_object", PickUpObject, 0.0, 2.4},
+                                                 {"place", Place, 0.0, 2.2},
+                                                 {"put_down_object", PutDownObject, 0.0, 2.4},
                                                  {"salute", Salute, 0.0, 2.0},
                                                  {"shake_fist", ShakeFist, 0.5, 0.8},
                                                  {"stand_up", StandUp, 0.0, 1.8},
+                                                 {"stay_seated", StaySeated, 0.0, 2.0},
                                                  {"steering_wheel", SteeringWheel, 2.2, 0.6},
                                                  {"throw_both_hands", ThrowBoth, 0.0, 2.4}};
   return actions;

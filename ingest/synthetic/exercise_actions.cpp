@@ -21,6 +21,8 @@ constexpr ArmPose kUppercutHigh{1.16, -0.12, -0.33, 1.48, 0.0};
 constexpr ArmPose kCurled{0.27, 0.08, 0.17, 2.40, 0.0};
 constexpr ArmPose kPressBottom{0.37, 0.61, 0.93, 2.48, 0.0};
 constexpr ArmPose kPressTop{2.85, 0.20, -0.58, 0.50, 0.0};
+constexpr ArmPose kAtTheRope{0.0, 0.35, 0.60, 1.10, 0.0};
+constexpr ArmPose kReachesUp{2.95, 0.05, -0.40, 0.15, 0.0};
 
 double UpAndDown(double x) { return 0.5 - 0.5 * std::cos(2.0 * kPi * x); }
 
@@ -67,13 +69,18 @@ void ElbowBack(double at, const Manner& m, Pose& pose) {
   pose.head_nod += 0.15 * held;
 }
 
-void BodyLean(double at, const Manner& m, Pose& pose, int raised) {
-  const double held = Held(at, m, 0.8);
-  const double lean = held * (0.55 + 0.45 * Swing(at, m));
+/// One arm over the head, the other hand on the hip; by `lean` the trunk bends away from the raised arm.
+void LeanAway(Pose& pose, int raised, double held, double amplitude, double lean) {
   Toward(pose.arm[raised], kOverTheHead, held);
   Toward(pose.arm[1 - raised], kOnTheHip, held);
   const double away = raised == kRightSide ? -1.0 : 1.0;
-  pose.trunk_side += away * 0.5 * m.amplitude * lean;
+  pose.trunk_side += away * 0.5 * amplitude * lean;
+}
+
+void BodyLean(double at, const Manner& m, Pose& pose, int raised) {
+  const double held = Held(at, m, 0.8);
+  const double lean = held * (0.55 + 0.45 * Swing(at, m));
+  LeanAway(pose, raised, held, m.amplitude, lean);
   for (LegPose& leg : pose.leg) leg.abduct += 0.14 * held;
 }
 void BodyLeanRight(double at, const Manner& m, Pose& pose) { BodyLean(at, m, pose, kRightSide); }
@@ -93,6 +100,67 @@ void BowTo(double at, const Manner& m, Pose& pose, int foot) {
 }
 void BowRight(double at, const Manner& m, Pose& pose) { BowTo(at, m, pose, kRightSide); }
 void BowLeft(double at, const Manner& m, Pose& pose) { BowTo(at, m, pose, kLeftSide); }
+
+/// Shares of a step and of its lifted foot: a step out, a lunge, and the step back.
+struct LungeStep {
+  double out, lifted;
+};
+LungeStep LungeAt(double x) {
+  return {Pulse(x, 0.02, 0.40, 0.56, 0.95), Pulse(x, 0.02, 0.16, 0.20, 0.38) + Pulse(x, 0.57, 0.72, 0.76, 0.95)};
+}
+void LiftFoot(LegPose& leg, double lifted) {
+  leg.flex += 0.35 * lifted;
+  leg.knee += 0.70 * lifted;
+}
+
+/// Sideways to the left; the right foot stays in place. The angles keep both soles level with the floor.
+void LungeLeft(Pose& pose, const LungeStep& step, double reach) {
+  LegPose &left = pose.leg[kLeftSide], &right = pose.leg[kRightSide];
+  right.abduct += 0.55 * reach * step.out;
+  left.abduct += 0.30 * reach * step.out;
+  left.flex += 0.50 * reach * step.out;
+  left.knee += 1.00 * reach * step.out;
+  LiftFoot(left, step.lifted);
+  pose.left_support = 0.0;
+}
+void LeftStretch(double at, const Manner& m, Pose& pose) {
+  const LungeStep step = LungeAt(Repetition(at, m));
+  LungeLeft(pose, step, m.amplitude);
+  LeanAway(pose, kRightSide, Held(at, m, 0.8), m.amplitude, 1.1 * step.out);
+}
+void LeftLunge(double at, const Manner& m, Pose& pose) {
+  const LungeStep step = LungeAt(Repetition(at, m));
+  LungeLeft(pose, step, 1.35 * m.amplitude);
+  pose.lean += 0.20 * step.out;
+  for (LegPose& leg : pose.leg) leg.flex += 0.20 * step.out;
+  for (ArmPose& arm : pose.arm) Toward(arm, kBeforeTheChest, Held(at, m, 0.6));
+}
+
+/// The right foot steps forwards, the left one stays in place on its toes; the trunk stays upright.
+void ForwardLunge(double at, const Manner& m, Pose& pose) {
+  const LungeStep step = LungeAt(Repetition(at, m));
+  LegPose &left = pose.leg[kLeftSide], &right = pose.leg[kRightSide];
+  right.flex += 1.00 * m.amplitude * step.out;
+  right.knee += 1.05 * m.amplitude * step.out;
+  left.flex -= 0.35 * m.amplitude * step.out;
+  left.knee += 0.65 * m.amplitude * step.out;
+  LiftFoot(right, step.lifted);
+  pose.left_support = 1.0;
+  for (ArmPose& arm : pose.arm) Toward(arm, kOnTheHip, Held(at, m, 0.6));
+}
+
+/// Arms up and the back arched, then the spine rolls down until the hands hang at the toes.
+void SpinalStretch(double at, const Manner& m, Pose& pose) {
+  const double up = Pulse(at, 0.0, 0.30, 0.30, 0.56);
+  const double down = Pulse(at, 0.30, 0.66, 0.66, 1.0);
+  for (ArmPose& arm : pose.arm) {
+    Toward(arm, kReachesUp, up);
+    Toward(arm, {1.5, 0.05, 0.0, 0.1, 0.0}, down);
+  }
+  Bow(pose, m.amplitude * (0.75 * down - 0.06 * up));
+  pose.trunk_bend += m.amplitude * (1.0 * down - 0.25 * up);
+  pose.head_nod += 0.40 * down - 0.30 * up;
+}
 
 /// Legs of running; `travel` is the reach of a step forwards and back.
 void RunLegs(double at, const Manner& m, double travel, double heel, double lift, Pose& pose) {
@@ -141,6 +209,28 @@ void Jumps(double at, const Manner& m, double arms, Pose& pose) {
 }
 void JumpHandsUp(double at, const Manner& m, Pose& pose) { Jumps(at, m, 2.5, pose); }
 void JumpVertical(double at, const Manner& m, Pose& pose) { Jumps(at, m, 0.7, pose); }
+
+/// Four low hops a cycle, elbows at the sides, the wrists turn the rope once a hop. In the air the person steers back
+/// to the starting point.
+void RopeSkipping(double at, const Manner& m, Pose& pose) {
+  Manner hops = m;
+  hops.cycles = 4.0 * m.cycles;
+  const double held = Held(at, m, 0.4);
+  const double x = Repetition(at, hops);
+  const double from_top = std::abs(x - 0.5);  // of a hop; in the air below 0.25
+  const double flight_s = 0.5 * m.active_s / Repetitions(hops);
+  const double height = std::min(0.07 * m.amplitude, kGravity * flight_s * flight_s / 8.0);
+  pose.height += held * height * std::max(0.0, 1.0 - 16.0 * from_top * from_top);
+  if (from_top < 0.25) pose.homing = 0.15 * held;
+  Crouch(pose, 0.15 * held * MinimumJerk(from_top, 0.25, 0.5));
+  for (LegPose& leg : pose.leg) leg.point += 0.4 * held * (1.0 - MinimumJerk(from_top, 0.22, 0.42));
+  for (ArmPose& arm : pose.arm) {
+    Toward(arm, kAtTheRope, held);
+    arm.twist += 0.25 * held * std::sin(2.0 * kPi * x);
+    arm.elbow += 0.20 * held * std::cos(2.0 * kPi * x);
+    arm.wrist += 0.45 * held * std::sin(2.0 * kPi * x);
+  }
+}
 
 void Curl(double at, const Manner& m, Pose& pose, bool left, bool right) {
   const double up = std::min(1.0, m.amplitude) * UpAndDown(Repetition(at, m));
@@ -194,6 +284,21 @@ void BoxAlternating(double at, const Manner& m, Pose& pose, int first) {
 void BoxLeftRight(double at, const Manner& m, Pose& pose) { BoxAlternating(at, m, pose, kLeftSide); }
 void BoxRightLeft(double at, const Manner& m, Pose& pose) { BoxAlternating(at, m, pose, kRightSide); }
 
+/// Punches in turn; the knee of the other side comes up with each.
+void PunchAndKneeLift(double at, const Manner& m, Pose& pose) {
+  const double held = Held(at, m, 0.35);
+  for (ArmPose& arm : pose.arm) Toward(arm, kGuard, held);
+  const double x = 2.0 * Repetition(at, m);
+  const int fist = x < 1.0 ? kLeftSide : kRightSide;
+  const double part = x < 1.0 ? x : x - 1.0;
+  Strike(pose, fist, part, held * m.amplitude);
+  const double up = m.amplitude * Pulse(part, 0.0, 0.45, 0.52, 1.0);
+  pose.leg[1 - fist].flex += 1.45 * up;
+  pose.leg[1 - fist].knee += 1.60 * up;
+  pose.leg[1 - fist].point += 0.30 * up;
+  pose.left_support = fist == kLeftSide ? 1.0 : 0.0;
+}
+
 void Uppercut(double at, const Manner& m, Pose& pose, int side) {
   const double held = Held(at, m, 0.3);
   Guard(pose, held);
@@ -229,16 +334,22 @@ const std::vector<ActionRow>& ExerciseActions() {
                                                  {"boxing_right_left", BoxRightLeft, 0.85, 0.4},
                                                  {"boxing_right_upwards", UppercutRight, 1.0, 0.4},
                                                  {"butt_kicks", ButtKicks, 0.62, 0.5},
+                                                 {"forward_lunge", ForwardLunge, 2.0, 0.2},
                                                  {"jump_hands_up", JumpHandsUp, 1.35, 0.0},
                                                  {"jump_vertical", JumpVertical, 1.25, 0.0},
+                                                 {"left_lunge", LeftLunge, 2.0, 0.2},
+                                                 {"left_stretch", LeftStretch, 2.2, 0.4},
                                                  {"lift_dumbbell_both", CurlBoth, 1.9, 0.0},
                                                  {"lift_dumbbell_both_bend_legs", CurlBendLegs, 2.4, 0.0},
                                                  {"lift_dumbbell_left", CurlLeft, 1.8, 0.0},
                                                  {"lift_dumbbell_overhead", PressOverhead, 2.1, 0.0},
                                                  {"lift_dumbbell_right", CurlRight, 1.8, 0.0},
+                                                 {"punch_and_knee_lift", PunchAndKneeLift, 1.6, 0.0},
+                                                 {"rope_skipping", RopeSkipping, 1.9, 0.0},
                                                  {"run", Run, 0.72, 0.4},
                                                  {"run_on_the_spot", RunOnTheSpot, 0.68, 0.4},
                                                  {"side_kick", SideKick, 0.0, 2.1},
+                                                 {"spinal_stretch", SpinalStretch, 0.0, 3.8},
                                                  {"warm_up_body_lean_left_arm", BodyLeanLeft, 1.5, 1.2},
                                                  {"warm_up_body_lean_right_arm", BodyLeanRight, 1.5, 1.2},
                                                  {"warm_up_bow_left", BowLeft, 1.3, 1.4},
