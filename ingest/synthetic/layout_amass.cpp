@@ -36,22 +36,29 @@ struct BabelAction {
 };
 
 const std::vector<BabelAction>& BabelActions() {
-  static const std::vector<BabelAction> actions = {{"walk", "walk", {"walk"}, 1.0, 2.5},
-                                                   {"run", "run", {"run"}, 1.5, 3.5},
-                                                   {"run_on_the_spot", "jog", {"jog"}, 1.5, 3.5},
-                                                   {"turn", "turn around", {"turn"}, 1.0, 2.0},
-                                                   {"jump", "jump", {"jump"}, 1.0, 1.0},
-                                                   {"kick", "kick", {"kick", "foot movements"}, 1.0, 1.0},
-                                                   {"sit", "sit down", {"sit"}, 1.0, 1.0},
-                                                   {"stand_up", "stand up", {"stand up"}, 1.0, 1.0},
-                                                   {"squat", "squat", {"squat"}, 1.0, 1.0},
-                                                   {"throw", "throw", {"throw", "arm movements"}, 1.0, 1.0},
-                                                   {"pick_up", "pick up", {"take/pick something up"}, 1.0, 1.0},
-                                                   {"warm_up_bow_right", "bend over", {"bend"}, 1.0, 1.0},
-                                                   {"wave", "wave", {"wave", "gesture"}, 1.5, 3.5},
-                                                   {"punch", "punch", {"punch", "martial art"}, 1.0, 2.5},
-                                                   {"clap", "clap", {"clap"}, 1.5, 3.5},
-                                                   {"salute", "salute", {"gesture", "greet"}, 1.0, 1.0}};
+  static const std::vector<BabelAction> actions = {
+      {"walk", "walk", {"walk"}, 1.0, 2.5},
+      {"run", "run", {"run"}, 1.5, 3.5},
+      {"run_on_the_spot", "jog", {"jog"}, 1.5, 3.5},
+      {"turn", "turn around", {"turn"}, 1.0, 2.0},
+      {"jump", "jump", {"jump"}, 1.0, 1.0},
+      {"kick", "kick", {"kick", "foot movements"}, 1.0, 1.0},
+      {"sit", "sit down", {"sit"}, 1.0, 1.0},
+      {"stand_up", "stand up", {"stand up"}, 1.0, 1.0},
+      {"squat", "squat", {"squat"}, 1.0, 1.0},
+      {"throw", "throw", {"throw", "arm movements"}, 1.0, 1.0},
+      {"pick_up", "pick up", {"take/pick something up"}, 1.0, 1.0},
+      {"pick_up_object", "pick up object", {"take/pick something up"}, 1.0, 1.0},
+      {"put_down_object", "put down object", {"place something"}, 1.0, 1.0},
+      {"place", "place", {"place something"}, 1.0, 1.0},
+      {"catch", "catch", {"catch"}, 1.0, 1.0},
+      {"stay_seated", "sit", {"sit"}, 1.0, 1.0},
+      {"bend_down", "bend down", {"bend"}, 1.0, 1.0},
+      {"warm_up_bow_right", "bend over", {"bend"}, 1.0, 1.0},
+      {"wave", "wave", {"wave", "gesture"}, 1.5, 3.5},
+      {"punch", "punch", {"punch", "martial art"}, 1.0, 2.5},
+      {"clap", "clap", {"clap"}, 1.5, 3.5},
+      {"salute", "salute", {"gesture", "greet"}, 1.0, 1.0}};
   return actions;
 }
 
@@ -59,7 +66,7 @@ constexpr int kLeastActions = 5, kMostActions = 9;
 constexpr double kTransition_s = 0.7;
 
 /// Several short everyday actions one after the other, half of them without a pause between, with BABEL's labels
-/// (twelve of MultiAct's 53 labels, and others). An action takes one to three seconds, as most of BABEL's do.
+/// (18 of MultiAct's 53 labels, and others). An action takes one to three seconds, as most of BABEL's do.
 /// options.actions are those labels or the studio's names.
 AnnotatedSequence PlanBabelSequence(const StudioOptions& options, int subject, int number, double rate_hz) {
   AnnotatedSequence annotated{{subject, number, {}, {}}, {}};
@@ -143,6 +150,14 @@ std::string TakeOf(const PlannedSequence& sequence) {
   return ZeroPadded(sequence.subject, 2) + "_" + ZeroPadded(sequence.number, 2);
 }
 
+/// How a person waits for an action: most stand, some sit.
+BabelWords WordsOfWaiting(const ScriptedAction& next) {
+  Pose pose;
+  Perform(next.action, 0.0, next.manner, pose);
+  const char* word = pose.leg[kLeftSide].knee > 0.8 ? "sit" : "stand";
+  return {word, {word}};
+}
+
 double RoundedToMillisecond(double seconds) { return std::round(1000.0 * seconds) / 1000.0; }
 
 std::string SegmentId(Random& random) {
@@ -165,7 +180,7 @@ BabelLabel LabelOfSpan(const BabelWords& words, const ScriptSpan& span, Random& 
   return label;
 }
 
-/// Labels of all actions, of the transitions between them and of standing; unsorted, and sometimes overlapping, as in
+/// Labels of all actions, of the transitions between them and of waiting; unsorted, and sometimes overlapping, as in
 /// the real set.
 BabelSequence AnnotationOf(const StudioOptions& options, const AnnotatedSequence& annotated, std::int64_t sid) {
   const PlannedSequence& sequence = annotated.sequence;
@@ -177,15 +192,17 @@ BabelSequence AnnotationOf(const StudioOptions& options, const AnnotatedSequence
   annotation.anntr_id = SegmentId(random);
   annotation.mul_act = true;
   if (script.actions.front().begin > 0) {
-    annotation.labels.push_back(LabelOfSpan({"stand", {"stand"}}, {0, script.actions.front().begin}, random));
+    annotation.labels.push_back(
+        LabelOfSpan(WordsOfWaiting(script.actions.front()), {0, script.actions.front().begin}, random));
   }
   for (std::size_t k = 0; k < script.actions.size(); ++k) {
     annotation.labels.push_back(
         LabelOfSpan(annotated.words[k], {script.actions[k].begin, script.actions[k].end}, random));
     if (k >= ways.size()) continue;
     annotation.labels.push_back(LabelOfSpan({"transition", {"transition"}}, ways[k], random));
-    const int rest = script.actions[k + 1].begin;
-    if (rest > ways[k].end) annotation.labels.push_back(LabelOfSpan({"stand", {"stand"}}, {ways[k].end, rest}, random));
+    const ScriptedAction& next = script.actions[k + 1];
+    if (next.begin > ways[k].end)
+      annotation.labels.push_back(LabelOfSpan(WordsOfWaiting(next), {ways[k].end, next.begin}, random));
   }
   for (std::size_t i = annotation.labels.size(); i > 1; --i) {
     std::swap(annotation.labels[i - 1], annotation.labels[random.Below(i)]);

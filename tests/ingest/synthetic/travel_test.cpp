@@ -1,12 +1,14 @@
-// The studio's actions travel and bend as the papers' figures need them.
+// The studio's actions travel, bend and are named as the papers' figures need them.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/pi.h"
+#include "core/formats/babel.h"
 #include "ingest/synthetic/take_plan.h"
 #include "tests/ingest/studio_folders.h"
 
@@ -140,6 +142,40 @@ TEST(StudioTravel, PeopleBendDownByMoreThan70Degrees) {
     least = std::min(least, most);
   });
   RecordProperty("bend_down_least_degrees", static_cast<int>(least));
+}
+
+std::set<std::string> ClassesOf(const std::string& recipe) {
+  const auto node = LoadConfig(std::filesystem::path(kSourceFolder) / "configs/recipes" / (recipe + ".yaml"));
+  EXPECT_TRUE(node) << node.error().Message();
+  std::set<std::string> names;
+  for (const ConfigNode& kind : node->Find("assemble")->Find("classes")->sequence)
+    names.insert(kind.Find("name")->scalar);
+  return names;
+}
+
+TEST_F(Layouts, TheBabelVocabularyHasTheClassesOfItsRecipe) {
+  StudioOptions options = Perfect(StudioLayout::kAmass);
+  options.vocabulary = StudioVocabulary::kBabel;
+  options.subjects = 5;
+  options.clips = 8;
+  Write(options);
+  std::set<std::string> labels;
+  for (const char* part : {"train.json", "val.json"}) {
+    const auto sequences = ParseBabel(Bytes(std::string("amass/babel_v1.0_release/") + part), part);
+    ASSERT_TRUE(sequences) << sequences.error().Message();
+    for (const BabelSequence& sequence : *sequences) {
+      for (const BabelLabel& label : sequence.frame_anns.front().labels) {
+        for (const std::string& category : *label.act_cat) EXPECT_TRUE(IsFrequentBabelCategory(category)) << category;
+        if (label.proc_label != "transition") labels.insert(*label.proc_label);
+      }
+    }
+  }
+  EXPECT_EQ(labels, ClassesOf("babel_studio"));
+  const std::set<std::string> set = ClassesOf("babel53");
+  const auto known =
+      std::count_if(labels.begin(), labels.end(), [&](const auto& label) { return set.count(label) != 0; });
+  EXPECT_EQ(known, 19) << "the recipe's comment counts them";
+  EXPECT_EQ(labels.size(), 23u);
 }
 
 }  // namespace
