@@ -9,30 +9,30 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/motion.h"
+#include "report/charts.h"
 #include "report/html.h"
+#include "report/motion_rows.h"
 #include "report/page_scripts.h"
 #include "report/painters.h"
 #include "report/run_facts.h"
 #include "report/stages.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kViews = 6;  // over which the body is drawn, at most
 
-const char* ClassOf(JointState state) {
+const Colour& ColourOf(JointState state) {
   switch (state) {
     case JointState::kObserved:
-      return "s-observed";
+      return kFaintColour;
     case JointState::kRepaired:
-      return "s-repaired";
+      return kBadColour;
     case JointState::kInterpolated:
-      return "s-interpolated";
-    case JointState::kInferred:
-      return "s-inferred";
+      return kSuspectColour;
+    default:
+      return kQuietColour;
   }
-  return "";
 }
 
 /// States of all joints (rows) over the frames as one SVG; empty for a motion without states.
@@ -45,28 +45,23 @@ std::string StateMapSvg(const Motion& motion) {
   const int joints = motion.joint_count();
   const double cell = (kWidth - kLeft) / frames;
   const double bottom = kRow * joints;
-  std::string svg = "<svg class=\"states\" viewBox=\"0 0 " + Coordinate(kWidth) + " " + Coordinate(bottom + 18.0) +
-                    "\" role=\"img\" aria-label=\"State of every joint over the frames\">\n";
+  Drawing drawing{kWidth, bottom + 18.0, "State of every joint over the frames"};
   for (int j = 0; j < joints; ++j) {
-    svg += "<text x=\"" + Coordinate(kLeft - 6.0) + "\" y=\"" + Coordinate(kRow * j + 10.0) +
-           "\" text-anchor=\"end\" class=\"label\">" + EscapeHtml(motion.skeleton->joints[j].name) + "</text>";
+    drawing.Text(kLeft - 6.0, kRow * j + 10.0, motion.skeleton->joints[j].name, 10.0, TextAnchor::kEnd, kQuietColour);
     for (int f = 0; f < frames;) {
       const JointState state = motion.state[static_cast<std::size_t>(f) * joints + j];
       int end = f + 1;
       while (end < frames && motion.state[static_cast<std::size_t>(end) * joints + j] == state) ++end;
-      svg += "<rect x=\"" + Coordinate(kLeft + cell * f) + "\" y=\"" + Coordinate(kRow * j + 1.0) + "\" width=\"" +
-             Coordinate(std::max(0.6, cell * (end - f))) + "\" height=\"" + Coordinate(kRow - 2.0) + "\" class=\"" +
-             ClassOf(state) + "\"/>";
+      drawing.Box(kLeft + cell * f, kRow * j + 1.0, std::max(0.6, cell * (end - f)), kRow - 2.0, ColourOf(state));
       f = end;
     }
-    svg += "\n";
   }
   for (const double mark : AxisMarks(0.0, frames, 8)) {
     if (mark != static_cast<int>(mark)) continue;
-    svg += "<text x=\"" + Coordinate(kLeft + cell * mark) + "\" y=\"" + Coordinate(bottom + 14.0) +
-           "\" text-anchor=\"middle\" class=\"label\">" + std::to_string(static_cast<int>(mark)) + "</text>";
+    drawing.Text(kLeft + cell * mark, bottom + 14.0, std::to_string(static_cast<int>(mark)), 10.0, TextAnchor::kMiddle,
+                 kQuietColour);
   }
-  return svg + "</svg>\n";
+  return ToInlineSvg(drawing);
 }
 
 constexpr int kClipPlayerNumbers = 300000;
@@ -74,7 +69,7 @@ constexpr std::size_t kBonesDrawn = 3;
 constexpr std::size_t kMostRepairs = 200;
 constexpr int kMostCurvePoints = 1200;  ///< of a curve
 
-using Points = std::vector<std::pair<double, double>>;
+using Points = std::vector<PlotPoint>;
 
 /// A curve over time; for long ones the largest value of each interval is kept, so that no peak is lost.
 Points Over(const std::vector<double>& time, const std::vector<double>& values) {
@@ -85,7 +80,7 @@ Points Over(const std::vector<double>& time, const std::vector<double>& values) 
     for (std::size_t k = i; k < std::min(values.size(), i + step); ++k) {
       if (std::isfinite(values[k]) && !(values[k] <= values[most])) most = k;
     }
-    points.emplace_back(time[most], values[most]);
+    points.push_back({time[most], values[most]});
   }
   return points;
 }
@@ -154,9 +149,9 @@ std::string SeenHtml(const ClipPageInput& input) {
   const Motion& motion = *clip.fitted.motion;
   const bool points = TracksOf(clip) != nullptr;
   if (points) {
-    html += Figure("Before: the tracked points", FilmstripSvg(clip.item, motion, TracksOf(clip), false));
+    html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.item, motion, TracksOf(clip), false)));
   }
-  html += Figure("After: the fitted motion", FilmstripSvg(clip.item, motion));
+  html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.item, motion)));
   return html +
          "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
          "aria-label=\"The clip in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\">"
@@ -176,24 +171,24 @@ std::string TimeHtml(const ClipSeries& series) {
     return Paragraph(EscapeHtml(series.residual_name) + ": " + ShortText(Finite(series.residual).front()) + ".");
   }
   if (!Finite(series.residual).empty()) {
-    LineChart chart{series.residual_name, "s", "", {}};
+    Plot chart{series.residual_name, "s", "", {}};
     if (!series.residual_most.empty()) {
       chart.curves.push_back({"worst joint", Over(series.time_s, series.residual_most), 5});
       chart.curves.push_back({"root mean square over joints", Over(series.time_s, series.residual), 0});
     } else {
       chart.curves.push_back({"each frame", Over(series.time_s, series.residual), 0});
     }
-    charts += Figure(EscapeHtml(series.residual_name), chart.Svg());
+    charts += Figure(EscapeHtml(series.residual_name), ToInlineSvg(chart.Draw()));
   }
   if (!Finite(series.keypoint_residual).empty()) {
-    LineChart chart{series.keypoint_residual_name, "s", "", {}};
+    Plot chart{series.keypoint_residual_name, "s", "", {}};
     chart.curves.push_back({"each frame", Over(series.time_s, series.keypoint_residual), 0});
-    charts += Figure(EscapeHtml(series.keypoint_residual_name), chart.Svg());
+    charts += Figure(EscapeHtml(series.keypoint_residual_name), ToInlineSvg(chart.Draw()));
   }
-  LineChart jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
+  Plot jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
   if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
   if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
-  charts += Figure("Jerk, m/s³", jerk.Svg());
+  charts += Figure("Jerk, m/s³", ToInlineSvg(jerk.Draw()));
   if (charts.empty()) return Paragraph("The clip is too short for curves over time.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
          Paragraph("Compare both: over-smoothed motion has low jerk and a large residual.", "soft");
@@ -214,12 +209,11 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
     const BoneSeries& bone = *sorted[i];
     const std::string name =
         skeleton.joints[skeleton.joints[bone.joint].parent].name + " to " + skeleton.joints[bone.joint].name;
-    const LineChart chart{
-        name,
-        "s",
-        "mm",
-        {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
-    charts += Figure(EscapeHtml(name) + ", mm", chart.Svg());
+    const Plot chart{name,
+                     "s",
+                     "mm",
+                     {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
+    charts += Figure(EscapeHtml(name) + ", mm", ToInlineSvg(chart.Draw()));
   }
   HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}};
   for (const BoneSeries* bone : sorted) {
@@ -278,10 +272,10 @@ std::string RepairsHtml(const ClipPageInput& input) {
 
 std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
   if (series.sigma_mm.empty()) return Paragraph("The fit has no uncertainty estimate.");
-  const LineChart chart{"Estimated standard deviation of a joint position, per axis",
-                        "s",
-                        "mm",
-                        {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
+  const Plot chart{"Estimated standard deviation of a joint position, per axis",
+                   "s",
+                   "mm",
+                   {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
   HtmlTable table{"Means over the frames",
                   {"Joint", "Position, mm per axis", "Largest", "Rotation, degrees", "Observable axes, of 3"}};
   const int frames = motion.frame_count();
@@ -303,9 +297,10 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                           motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
   }
   const std::string drawn =
-      frames > 1 ? "<div class=\"charts wide\">" +
-                       Figure("Estimated standard deviation of a joint position, mm", chart.Svg()) + "</div>\n"
-                 : "";
+      frames > 1
+          ? "<div class=\"charts wide\">" +
+                Figure("Estimated standard deviation of a joint position, mm", ToInlineSvg(chart.Draw())) + "</div>\n"
+          : "";
   return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
          Paragraph(
              "An unobservable axis, such as the twist of a straight limb, keeps the prior's standard deviation "

@@ -1,58 +1,128 @@
 #include "report/drawing.h"
 
+#include <cmath>
 #include <cstdio>
+#include <initializer_list>
+#include <utility>
 
+#include "core/base/text.h"
 #include "report/html.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
 
-std::string HexOf(const Colour& colour) {
-  char text[8];
-  std::snprintf(text, sizeof(text), "#%02x%02x%02x", colour[0], colour[1], colour[2]);
-  return text;
-}
-
-std::string PointsOf(const std::vector<Vector2d>& points) {
-  std::string text;
-  for (const Vector2d& point : points) {
-    text += (text.empty() ? "" : " ") + Coordinate(point.x()) + "," + Coordinate(point.y());
-  }
-  return text;
-}
-
+/// Writes shapes as elements; with `named` colours those of the pages' style.
 struct SvgWriter {
+  bool named;
+
+  /// Attributes that give the properties a colour.
+  std::string Painted(std::initializer_list<const char*> properties, const Colour& colour) const {
+    char value[8];
+    std::snprintf(value, sizeof(value), "#%02x%02x%02x", colour.red, colour.green, colour.blue);
+    const bool by_name = named && colour.name != nullptr;
+    std::string text;
+    for (const char* property : properties) {
+      text += by_name ? std::string(property) + ":var(--" + colour.name + ");"
+                      : std::string(" ") + property + "=\"" + value + "\"";
+    }
+    return by_name ? " style=\"" + text + "\"" : text;
+  }
+  static std::string Ended(const char* element, const std::string& tip) {
+    return tip.empty() ? "/>\n" : "><title>" + EscapeHtml(tip) + "</title></" + element + ">\n";
+  }
+  static std::string Points(const std::vector<Vector2d>& points) {
+    std::string text;
+    for (const Vector2d& point : points) {
+      text += (text.empty() ? "" : " ") + Coordinate(point.x()) + "," + Coordinate(point.y());
+    }
+    return " points=\"" + text + "\"";
+  }
+
   std::string operator()(const PolygonShape& shape) const {
-    const std::string colour = HexOf(shape.fill);  // the outline closes gaps between neighbours
-    return "<polygon points=\"" + PointsOf(shape.points) + "\" fill=\"" + colour + "\" stroke=\"" + colour +
-           "\" stroke-width=\"0.4\"/>\n";
+    return "<polygon" + Points(shape.points) + Painted({"fill", "stroke"}, shape.fill) +  // the outline closes gaps
+           " stroke-width=\"0.4\"" + Ended("polygon", shape.tip);
   }
   std::string operator()(const LineShape& shape) const {
-    return "<polyline points=\"" + PointsOf(shape.points) + "\" fill=\"none\" stroke=\"" + HexOf(shape.colour) +
-           "\" stroke-width=\"" + Coordinate(shape.width) + "\" stroke-linecap=\"round\" stroke-linejoin=\"round\"" +
-           (shape.dashed ? " stroke-dasharray=\"3 3\"" : "") + "/>\n";
+    return "<polyline" + Points(shape.points) + " fill=\"none\" stroke-width=\"" + Coordinate(shape.width) +
+           "\" stroke-linecap=\"round\" stroke-linejoin=\"round\"" + (shape.dashed ? " stroke-dasharray=\"1 4\"" : "") +
+           Painted({"stroke"}, shape.colour) + Ended("polyline", shape.tip);
   }
   std::string operator()(const TextShape& shape) const {
-    const char* anchor = shape.anchor == TextAnchor::kStart ? "start"
-                         : shape.anchor == TextAnchor::kEnd ? "end"
-                                                            : "middle";
+    static constexpr const char* kAnchors[] = {"start", "middle", "end"};
     return "<text x=\"" + Coordinate(shape.at.x()) + "\" y=\"" + Coordinate(shape.at.y()) + "\" font-size=\"" +
-           Coordinate(shape.size) + "\" text-anchor=\"" + anchor + "\" fill=\"" + HexOf(shape.colour) + "\"" +
-           (shape.bold ? " font-weight=\"bold\"" : "") + ">" + EscapeHtml(shape.text) + "</text>\n";
+           Coordinate(shape.size) + "\" text-anchor=\"" + kAnchors[static_cast<int>(shape.anchor)] + "\"" +
+           (shape.bold ? " font-weight=\"bold\"" : "") + Painted({"fill"}, shape.colour) + ">" +
+           EscapeHtml(shape.text) + "</text>\n";
   }
 };
 
+std::string ViewBox(const Drawing& drawing) {
+  return " viewBox=\"0 0 " + Coordinate(drawing.width) + " " + Coordinate(drawing.height) + "\" role=\"img\"";
+}
+
 }  // namespace
 
+Colour Lightened(const Colour& colour, double part) {
+  const auto mixed = [&](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::lround(value + part * (255.0 - value)));
+  };
+  return {mixed(colour.red), mixed(colour.green), mixed(colour.blue)};
+}
+
+void Drawing::Line(std::vector<Vector2d> points, double stroke, const Colour& colour, bool dashed) {
+  shapes.emplace_back(LineShape{std::move(points), stroke, colour, dashed});
+}
+
+void Drawing::Dot(const Vector2d& at, double diameter, const Colour& colour, const std::string& tip) {
+  shapes.emplace_back(LineShape{{at, at}, diameter, colour, false, tip});
+}
+
+void Drawing::Box(double x, double y, double box_width, double box_height, const Colour& colour,
+                  const std::string& tip) {
+  shapes.emplace_back(
+      PolygonShape{{{x, y}, {x + box_width, y}, {x + box_width, y + box_height}, {x, y + box_height}}, colour, tip});
+}
+
+void Drawing::Text(double x, double y, const std::string& text, double size, TextAnchor anchor, const Colour& colour,
+                   bool bold) {
+  shapes.emplace_back(TextShape{Vector2d(x, y), text, size, anchor, colour, bold});
+}
+
+double TextWidth(const std::string& text, double size) { return 0.6 * size * static_cast<double>(text.size()); }
+
+std::vector<std::string> Wrapped(const std::string& text, double width, double size) {
+  std::vector<std::string> lines;
+  for (const std::string_view word : SplitText(text, ' ')) {
+    const std::string longer = lines.empty() ? "" : lines.back() + " " + std::string(word);
+    if (!lines.empty() && TextWidth(longer, size) <= width) {
+      lines.back() = longer;
+    } else {
+      lines.emplace_back(word);
+    }
+  }
+  return lines;
+}
+
 std::string ToSvg(const Drawing& drawing) {
-  const std::string width = Coordinate(drawing.width), height = Coordinate(drawing.height);
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + width + "\" height=\"" + height +
-                    "\" viewBox=\"0 0 " + width + " " + height +
-                    "\" font-family=\"sans-serif\" role=\"img\">\n<title>" + EscapeHtml(drawing.title) +
-                    "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
-  for (const Shape& shape : drawing.shapes) svg += std::visit(SvgWriter(), shape);
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + Coordinate(drawing.width) + "\" height=\"" +
+                    Coordinate(drawing.height) + "\"" + ViewBox(drawing) + " font-family=\"sans-serif\">\n<title>" +
+                    EscapeHtml(drawing.title) + "</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n";
+  for (const Shape& shape : drawing.shapes) svg += std::visit(SvgWriter{false}, shape);
   return svg + "</svg>\n";
+}
+
+std::string ToInlineSvg(const Drawing& drawing) {
+  std::string svg = "<svg" + ViewBox(drawing) + " aria-label=\"" + EscapeHtml(drawing.title) +
+                    "\" style=\"max-width:" + Coordinate(drawing.width) + "px\">\n";
+  for (const Shape& shape : drawing.shapes) svg += std::visit(SvgWriter{true}, shape);
+  return svg + "</svg>\n";
+}
+
+std::string Coordinate(double value) {
+  const long long tenths = std::llround(value * 10.0);
+  std::string text = std::to_string(std::llabs(tenths) / 10);
+  if (tenths % 10 != 0) text += "." + std::to_string(std::llabs(tenths) % 10);
+  return (tenths < 0 ? "-" : "") + text;
 }
 
 }  // namespace mocurate

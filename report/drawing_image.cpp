@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kShift = 4;  // fractional bits of OpenCV's coordinates
 
-cv::Scalar ScalarOf(const Colour& colour) { return {double(colour[2]), double(colour[1]), double(colour[0])}; }
+cv::Scalar ScalarOf(const Colour& colour) { return {double(colour.blue), double(colour.green), double(colour.red)}; }
 
 class ImageWriter {
  public:
@@ -43,7 +43,7 @@ class ImageWriter {
   void operator()(const TextShape& shape) const {
     constexpr double kHeight = 22.0;  // pixels of a Hershey capital at scale 1
     const double size = 0.72 * shape.size * scale_ / kHeight;
-    const int thickness = std::max(1, static_cast<int>(std::lround(scale_ * (shape.bold ? 1.4 : 0.8))));
+    const int thickness = std::max(1, static_cast<int>(std::lround(scale_ * (shape.bold ? 1.0 : 0.6))));
     int base = 0;
     const cv::Size extent = cv::getTextSize(shape.text, cv::FONT_HERSHEY_SIMPLEX, size, thickness, &base);
     double x = shape.at.x() * scale_;

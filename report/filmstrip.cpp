@@ -2,95 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "core/store/store.h"
 #include "report/html.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
 
 constexpr double kThreeQuarter = 0.45;  ///< radians
 constexpr double kRaised = 0.12;
-
-bool Present(const JointTracks& tracks, int frame, int point) {
-  if (frame >= tracks.positions.frames) return false;
-  const std::size_t index = static_cast<std::size_t>(frame) * tracks.positions.joints + point;
-  return tracks.confidence[index] > 0.0 && tracks.positions.at(frame, point).allFinite();
-}
-
-const char* BoneClass(int side) { return side > 0 ? "bone left" : side < 0 ? "bone right" : "bone"; }
-
-std::string SegmentLine(const Vector3d& a, const Vector3d& b, const char* css_class) {
-  return "<line x1=\"" + Coordinate(a.x()) + "\" y1=\"" + Coordinate(a.y()) + "\" x2=\"" + Coordinate(b.x()) +
-         "\" y2=\"" + Coordinate(b.y()) + "\" class=\"" + css_class + "\"/>";
-}
-
-/// Places one still after the other on a strip.
-class StripDrawing {
- public:
-  StripDrawing(const Motion& motion, const JointTracks* tracks, const std::vector<int>& frames, bool bones)
-      : motion_(motion), tracks_(tracks), bones_(bones), view_(FrontView(motion)) {
-    for (const int frame : frames) AddExtent(frame);
-    if (!(high_ > low_)) low_ = -1.0, high_ = 1.0;
-    scale_ = (kHeight - 34.0) / (high_ - low_);
-    cell_ = std::clamp((right_ - left_) * scale_ + 20.0, 60.0, 260.0);
-  }
-
-  double cell() const { return cell_; }
-  static constexpr double kHeight = 210.0;
-
-  std::string Still(int frame, int position) const {
-    const Vector3d centre = view_.Turn(motion_.joints.at(frame, 0));
-    const auto place = [&](const Vector3d& world) {
-      const Vector3d seen = view_.Turn(world);
-      return Vector3d((position + 0.5) * cell_ + scale_ * (seen.x() - centre.x() - 0.5 * (left_ + right_)),
-                      8.0 + scale_ * (high_ - seen.y()), 0.0);
-    };
-    std::string svg = "<g>";
-    const TrackDrawing drawing = tracks_ ? MatchTracks(tracks_->names, *motion_.skeleton) : TrackDrawing();
-    for (const auto& [a, b] : drawing.lines) {
-      if (!Present(*tracks_, frame, a) || !Present(*tracks_, frame, b)) continue;
-      svg += SegmentLine(place(tracks_->positions.at(frame, a)), place(tracks_->positions.at(frame, b)), "seen");
-    }
-    const std::vector<int> sides = SidesOf(*motion_.skeleton);
-    for (int j = 1; bones_ && j < motion_.joint_count(); ++j) {
-      const Vector3d parent = motion_.joints.at(frame, motion_.skeleton->joints[j].parent);
-      svg += SegmentLine(place(parent), place(motion_.joints.at(frame, j)), BoneClass(sides[j]));
-    }
-    for (int k = 0; tracks_ && k < tracks_->positions.joints; ++k) {
-      if (!Present(*tracks_, frame, k)) continue;
-      const Vector3d at = place(tracks_->positions.at(frame, k));
-      svg += "<circle cx=\"" + Coordinate(at.x()) + "\" cy=\"" + Coordinate(at.y()) + "\" r=\"2.6\" class=\"point\"/>";
-    }
-    return svg + "</g>\n";
-  }
-
- private:
-  void AddExtent(int frame) {
-    const Vector3d centre = view_.Turn(motion_.joints.at(frame, 0));
-    for (int j = 0; j < motion_.joint_count(); ++j) {
-      const Vector3d seen = view_.Turn(motion_.joints.at(frame, j));
-      low_ = std::min(low_, seen.y());
-      high_ = std::max(high_, seen.y());
-      left_ = std::min(left_, seen.x() - centre.x());
-      right_ = std::max(right_, seen.x() - centre.x());
-    }
-  }
-
-  const Motion& motion_;
-  const JointTracks* tracks_;
-  bool bones_;
-  Viewpoint view_;
-  double low_ = std::numeric_limits<double>::infinity();
-  double high_ = -std::numeric_limits<double>::infinity();
-  double left_ = -0.2;  ///< of the middle of a still
-  double right_ = 0.2;
-  double scale_ = 1.0;
-  double cell_ = 100.0;
-};
 
 std::array<int, 3> Millimetres(const Vector3d& point, const Vector3d& origin) {
   std::array<int, 3> mm{};
@@ -110,7 +31,7 @@ nlohmann::json JointFrame(const Motion& motion, int frame, const Vector3d& origi
 nlohmann::json PointFrame(const JointTracks& tracks, int frame, const Vector3d& origin) {
   nlohmann::json row = nlohmann::json::array();
   for (int k = 0; k < tracks.positions.joints; ++k) {
-    if (!Present(tracks, frame, k)) {
+    if (!Observes(tracks, frame, k)) {
       for (int i = 0; i < 3; ++i) row.push_back(nullptr);
       continue;
     }
@@ -120,6 +41,12 @@ nlohmann::json PointFrame(const JointTracks& tracks, int frame, const Vector3d& 
 }
 
 }  // namespace
+
+bool Observes(const JointTracks& tracks, int frame, int point) {
+  if (frame >= tracks.positions.frames) return false;
+  const std::size_t index = static_cast<std::size_t>(frame) * tracks.positions.joints + point;
+  return tracks.confidence[index] > 0.0 && tracks.positions.at(frame, point).allFinite();
+}
 
 std::vector<int> SidesOf(const Skeleton& skeleton) {
   std::vector<int> sides(skeleton.joints.size(), 0);
@@ -177,24 +104,6 @@ std::vector<int> StillFrames(int frame_count, int stills) {
     frames.push_back(count == 1 ? 0 : static_cast<int>(static_cast<std::int64_t>(i) * (frame_count - 1) / (count - 1)));
   }
   return frames;
-}
-
-std::string FilmstripSvg(const std::string& name, const Motion& motion, const JointTracks* tracks, bool bones) {
-  const std::vector<int> frames = StillFrames(motion.frame_count());
-  if (frames.empty()) return "";
-  const StripDrawing drawing(motion, tracks, frames, bones);
-  const double width = drawing.cell() * static_cast<double>(frames.size());
-  std::string svg = "<svg class=\"strip\" viewBox=\"0 0 " + Coordinate(width) + " " +
-                    Coordinate(StripDrawing::kHeight) + "\" role=\"img\" aria-label=\"Stick figures of " +
-                    EscapeHtml(name) + ", " + std::to_string(frames.size()) + " stills from " +
-                    std::to_string(motion.frame_count()) + " frames\">\n";
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    svg += drawing.Still(frames[i], static_cast<int>(i));
-    svg += "<text x=\"" + Coordinate((static_cast<double>(i) + 0.5) * drawing.cell()) + "\" y=\"" +
-           Coordinate(StripDrawing::kHeight - 4.0) + "\" text-anchor=\"middle\" class=\"label\">" +
-           FixedText(motion.rate.FrameTime(frames[i]), 2) + " s</text>\n";
-  }
-  return svg + "</svg>\n";
 }
 
 std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points) {

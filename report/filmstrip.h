@@ -28,6 +28,8 @@ struct TrackDrawing {
   std::vector<std::array<int, 2>> lines;  ///< pairs of points
 };
 TrackDrawing MatchTracks(const std::vector<std::string>& names, const Skeleton& skeleton);
+/// Whether a point was observed in a frame.
+bool Observes(const JointTracks& tracks, int frame, int point);
 
 /// Direction of view in the world: the camera looks from the person's front, rotated by `yaw` and raised by `pitch`.
 struct Viewpoint {
@@ -43,11 +45,6 @@ Viewpoint FrontView(const Motion& motion);
 
 /// Frames of stills, evenly spread, first and last included.
 std::vector<int> StillFrames(int frame_count, int stills = 8);
-
-/// Stick figures side by side: tracked points grey, where there are `tracks`; the motion in colour, where `bones`. Both
-/// are at the same positions.
-std::string FilmstripSvg(const std::string& name, const Motion& motion, const JointTracks* tracks = nullptr,
-                         bool bones = true);
 
 /// Canvas and controls of the player for the JSON of PlayerData with the same index in the page; `id` is its own.
 std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points);

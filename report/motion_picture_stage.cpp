@@ -5,8 +5,8 @@
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"
+#include "report/charts.h"
 #include "report/motion_rows.h"
-#include "report/plot.h"
 #include "report/stages.h"
 
 namespace mocurate {
@@ -23,7 +23,14 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
                                                   const MotionPictureOptions& options) {
   std::vector<MotionRow> rows;
   const auto add = [&](const NamedMotions& set, const Clip& clip, const std::string& label) {
-    rows.push_back({set.method, label, clip, std::nullopt});
+    const bool joins = std::find(options.joined.begin(), options.joined.end(), set.method) != options.joined.end();
+    const auto own =
+        std::find_if(rows.begin(), rows.end(), [&](const MotionRow& row) { return row.method == set.method; });
+    if (joins && own != rows.end()) {
+      own->clips.push_back(clip);
+    } else {
+      rows.push_back({set.method, joins ? "" : label, {clip}, std::nullopt, ""});
+    }
   };
   std::set<std::string> known;
   for (const NamedMotions& set : sets) {
@@ -68,7 +75,8 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
   const auto add_first = [&](const NamedMotions& set, const std::string* label) {
     std::int64_t count = 0;
     for (const Clip& clip : set.motions.clips) {
-      if (count == options.samples) break;
+      const bool joins = std::find(options.joined.begin(), options.joined.end(), set.method) != options.joined.end();
+      if (count == options.samples && !joins) break;
       if (label != nullptr && clip.label != *label) continue;
       add(set, clip, clip.segments.size() > 1 ? "" : clip.label);
       ++count;
@@ -89,6 +97,7 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
   }
   if (rows.empty())
     return Fail(ErrorCode::kInconsistent, "there is no motion to draw", "picture", "choose other files");
+  for (const auto& [method, why] : options.absent) rows.push_back({method, "", {}, std::nullopt, why});
   return rows;
 }
 
@@ -105,13 +114,15 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
   const StageInput* body = FindInput(request, "body");
   if (body == nullptr) return Fail(ErrorCode::kInternal, "drawing a skin needs a body", request.item);
   for (MotionRow& row : *rows) {
-    if (row.clip.motion->joints_only()) {
-      return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a skin with", row.clip.id(),
-                  "draw bones or capsules, or fit it first: mocurate fit");
+    for (const Clip& clip : row.clips) {
+      if (clip.motion->joints_only()) {
+        return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a skin with", clip.id(),
+                    "draw bones or capsules, or fit it first: mocurate fit");
+      }
+      auto skin = ReadSkin(body->path, *clip.motion->skeleton);
+      if (!skin) return Forward(skin);
+      row.skin = std::move(*skin);
     }
-    auto skin = ReadSkin(body->path, *row.clip.motion->skeleton);
-    if (!skin) return Forward(skin);
-    row.skin = std::move(*skin);
   }
   return rows;
 }
@@ -144,17 +155,22 @@ Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
   outcome.summary = {{"rows", rows->size()},
                      {"width", drawing.width},
                      {"height", drawing.height},
+                     {"shown", DescribeRows(*rows, *options)},
                      {"without", SourcesWithout(request, *rows)}};
   return outcome;
 }
 
 Expected<StageOutcome> PlotStage(const StageRequest& request) {
   if (request.inputs.empty()) return Fail(ErrorCode::kInternal, "a plot needs its numbers", request.item);
+  const auto options = OptionsFromJson<PlotOptions>(request.options, "plot");
+  if (!options) return Forward(options);
   const auto json = ReadJson(request.inputs.front().path);
   if (!json) return Forward(json);
-  const auto plots = PlotsOf(*json);
-  if (!plots) return Forward(plots);
-  if (Status written = WriteFile(request.output, ToSvg(DrawPlots(*plots, json->value("columns", 3)))); !written) {
+  const auto sheet = SheetOf(*json);
+  if (!sheet) return Forward(sheet);
+  const Drawing drawing = sheet->Draw();
+  const bool svg = options->format == PictureFormat::kSvg;
+  if (Status written = WriteFile(request.output, svg ? ToSvg(drawing) : ToPng(drawing, 2.0)); !written) {
     return Forward(written);
   }
   return StageOutcome();

@@ -2,64 +2,67 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/posed_body.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
 
 // Pixels.
-constexpr double kNames = 150.0;     // to the left of the figures
-constexpr double kPath = 84.0;       // square of the root's path
+constexpr double kNames = 170.0;     // to the left of the figures
+constexpr double kPath = 108.0;      // square of the root's path
 constexpr double kFigure = 110.0;    // height that the tallest figure takes
-constexpr double kTimes = 14.0;      // below the figures
-constexpr double kBracket = 20.0;    // below the times, of rows with segments
-constexpr double kHead = 26.0;       // of a title
-constexpr double kSpace = 8.0;       // between rows
+constexpr double kSpace = 10.0;      // between rows
 constexpr double kLeastCell = 34.0;  // width of a figure
 constexpr double kMostCell = 200.0;
+constexpr double kScene = 320.0;  // square panel of a scene
+constexpr double kSmall = 10.5;   // of texts below figures
 
 constexpr const char* kTransition = "transition";
+constexpr const char* kRecorded = "recorded";  // origin of a segment that is not generated
 
-const Colour& ColourOfSide(int side) { return side > 0 ? kBlue : side < 0 ? kOrange : kGrey; }
+const Colour& ColourOfSide(int side) { return side > 0 ? kLeftColour : side < 0 ? kRightColour : kGrey; }
 
 Colour Shaded(const Colour& colour, double light) {
-  Colour shaded{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    shaded[i] = static_cast<std::uint8_t>(std::lround(std::clamp(light * colour[i], 0.0, 255.0)));
-  }
-  return shaded;
+  const auto lit = [&](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::lround(std::clamp(light * value, 0.0, 255.0)));
+  };
+  return {lit(colour.red), lit(colour.green), lit(colour.blue)};
 }
 
-/// A figure in a frame, metres: x to the right of the root, y up in the world, z towards the viewer.
+/// A figure in a frame, metres: x to the right, y up, z towards the viewer.
 struct SeenFigure {
   struct Part {
     double depth = 0.0;  ///< the farther from the eye, the less
-    std::vector<Vector2d> outline;
-    std::vector<Vector2d> line;
+    std::vector<Vector2d> outline, line;
     Colour colour{};
+    double width = 2.0;  ///< of the line, pixels
   };
   std::vector<Part> parts;  ///< the farthest first
-  double left = 0.0, right = 0.0, low = 0.0, high = 0.0;
+  Eigen::AlignedBox2d box;
 };
 
-/// The view of a row: level with the horizon, so that heights are preserved.
-class Eye {
- public:
-  explicit Eye(const Motion& motion) : view_(FrontView(motion)) { view_.pitch = 0.0; }
-  Vector3d See(const Vector3d& point, const Vector3d& root) const {
-    const Vector3d level(root.x(), 0.0, root.z());
-    return view_.Turn(point - level);
-  }
+/// A view in which places are seen from `origin`. `only`: one colour instead of those of the sides.
+struct Eye {
+  Viewpoint view;
+  Vector3d origin = Vector3d::Zero();
+  const Colour* only = nullptr;
 
- private:
-  Viewpoint view_;
+  Vector3d See(const Vector3d& point) const { return view.Turn(point - origin); }
+  Colour Of(int side) const { return only != nullptr ? *only : ColourOfSide(side); }
 };
+
+/// Level with the horizon, so that heights are preserved, and below the root of a frame.
+Eye LevelEye(const Motion& motion, int frame, Viewpoint view) {
+  view.pitch = 0.0;
+  const Vector3d root = motion.joints.at(frame, 0);
+  return {view, {root.x(), 0.0, root.z()}};
+}
 
 /// The convex hull of two discs.
 std::vector<Vector2d> HullOfDiscs(const Vector2d& a, const Vector2d& b, double radius) {
@@ -78,123 +81,127 @@ std::vector<Vector2d> HullOfDiscs(const Vector2d& a, const Vector2d& b, double r
 
 void AddBoneLines(const Motion& motion, int frame, const Eye& eye, SeenFigure& figure) {
   const std::vector<int> sides = SidesOf(*motion.skeleton);
-  const Vector3d root = motion.joints.at(frame, 0);
   for (int j = 1; j < motion.joint_count(); ++j) {
-    const Vector3d a = eye.See(motion.joints.at(frame, motion.skeleton->joints[j].parent), root);
-    const Vector3d b = eye.See(motion.joints.at(frame, j), root);
-    figure.parts.push_back({0.5 * (a.z() + b.z()), {}, {a.head<2>(), b.head<2>()}, ColourOfSide(sides[j])});
+    const Vector3d a = eye.See(motion.joints.at(frame, motion.skeleton->joints[j].parent));
+    const Vector3d b = eye.See(motion.joints.at(frame, j));
+    figure.parts.push_back({0.5 * (a.z() + b.z()), {}, {a.head<2>(), b.head<2>()}, eye.Of(sides[j])});
   }
 }
 
 void AddCapsules(const Clip& clip, int frame, const Eye& eye, SeenFigure& figure) {
   const PosedBody body = BodyOf(clip, frame);
-  const Vector3d root = clip.motion->joints.at(frame, 0);
   for (std::size_t c = 0; c < body.capsules.capsules.size(); ++c) {
     const Capsule& capsule = body.capsules.capsules[c];
-    const Vector3d a = eye.See(body.points[static_cast<std::size_t>(capsule.parent)], root);
-    const Vector3d b = eye.See(body.points[static_cast<std::size_t>(capsule.joint)], root);
-    const double depth = 0.5 * (a.z() + b.z());
+    const Vector3d a = eye.See(body.points[static_cast<std::size_t>(capsule.parent)]);
+    const Vector3d b = eye.See(body.points[static_cast<std::size_t>(capsule.joint)]);
+    const double depth = 0.5 * (a.z() + b.z()), nearer = depth - eye.See(clip.motion->joints.at(frame, 0)).z();
     figure.parts.push_back({depth,
                             HullOfDiscs(a.head<2>(), b.head<2>(), capsule.radius),
                             {},
-                            Shaded(ColourOfSide(body.sides[c]), 1.0 + 0.5 * std::clamp(depth, -0.4, 0.4))});
+                            Shaded(eye.Of(body.sides[c]), 1.0 + 0.5 * std::clamp(nearer, -0.4, 0.4))});
   }
 }
 
 void AddSkin(const Skin& skin, const Motion& motion, int frame, const Eye& eye, SeenFigure& figure) {
   const std::vector<Vector3d> vertices =
       PosedVertices(skin, *motion.skeleton, &motion.rotation_at(frame, 0), motion.root_translation[frame]);
-  const Vector3d root = motion.joints.at(frame, 0);
   const Vector3d light = Vector3d(0.3, 0.5, 0.8).normalized();
   for (const std::array<int, 3>& face : skin.faces) {
     Vector3d corners[3];
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = eye.See(vertices[static_cast<std::size_t>(face[k])], root);
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = eye.See(vertices[static_cast<std::size_t>(face[k])]);
     const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     if (!(normal.z() > 0.0)) continue;  // the back
     const double lit = 0.62 + 0.38 * std::max(0.0, normal.normalized().dot(light));
     figure.parts.push_back({(corners[0].z() + corners[1].z() + corners[2].z()) / 3.0,
                             {corners[0].head<2>(), corners[1].head<2>(), corners[2].head<2>()},
                             {},
-                            Shaded({176, 190, 210}, lit)});
+                            Shaded(eye.only != nullptr ? *eye.only : Colour{176, 190, 210}, lit)});
   }
 }
 
-SeenFigure FigureOf(const MotionRow& row, int frame, const Eye& eye, FigureChoice choice) {
-  SeenFigure figure;
-  const Motion& motion = *row.clip.motion;
-  if (choice == FigureChoice::kSkin && row.skin) {
-    AddSkin(*row.skin, motion, frame, eye, figure);
-  } else if (choice == FigureChoice::kBones) {
-    AddBoneLines(motion, frame, eye, figure);
-  } else {
-    AddCapsules(row.clip, frame, eye, figure);
+/// Observed points, and lines between them, behind the figure.
+void AddTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, const Eye& eye, SeenFigure& figure) {
+  const auto seen = [&](int point) { return eye.See(tracks.positions.at(frame, point)); };
+  for (const auto& [a, b] : MatchTracks(tracks.names, skeleton).lines) {
+    if (!Observes(tracks, frame, a) || !Observes(tracks, frame, b)) continue;
+    figure.parts.push_back({-1e3, {}, {seen(a).head<2>(), seen(b).head<2>()}, kBeforeColour, 1.2});
   }
+  for (int k = 0; k < tracks.positions.joints; ++k) {
+    if (!Observes(tracks, frame, k)) continue;
+    const Vector2d at = seen(k).head<2>();
+    figure.parts.push_back({1e3, {}, {at, at}, kInkColour, 5.0});
+    figure.parts.push_back({1e3, {}, {at, at}, kPageColour, 3.4});
+  }
+}
+
+void Order(SeenFigure& figure) {
   std::stable_sort(figure.parts.begin(), figure.parts.end(),
                    [](const SeenFigure::Part& a, const SeenFigure::Part& b) { return a.depth < b.depth; });
-  figure.low = figure.left = 1e9;
-  figure.high = figure.right = -1e9;
   for (const SeenFigure::Part& part : figure.parts) {
     for (const std::vector<Vector2d>* points : {&part.outline, &part.line}) {
-      for (const Vector2d& point : *points) {
-        figure.left = std::min(figure.left, point.x());
-        figure.right = std::max(figure.right, point.x());
-        figure.low = std::min(figure.low, point.y());
-        figure.high = std::max(figure.high, point.y());
-      }
+      for (const Vector2d& point : *points) figure.box.extend(point);
     }
   }
+}
+
+SeenFigure FigureOf(const MotionRow& row, const Clip& clip, int frame, const Eye& eye, FigureChoice choice) {
+  SeenFigure figure;
+  if (choice == FigureChoice::kSkin && row.skin) {
+    AddSkin(*row.skin, *clip.motion, frame, eye, figure);
+  } else if (choice == FigureChoice::kBones) {
+    AddBoneLines(*clip.motion, frame, eye, figure);
+  } else {
+    AddCapsules(clip, frame, eye, figure);
+  }
+  Order(figure);
   return figure;
 }
 
-/// The figure with its root at `x` and its row's lowest point at `floor`.
-void Place(const SeenFigure& figure, double x, double floor, double low, double scale, std::vector<Shape>& shapes) {
+/// Draws a figure with its origin at `at`.
+void Place(const SeenFigure& figure, const Vector2d& at, double scale, Drawing& drawing) {
   const auto placed = [&](const std::vector<Vector2d>& points) {
     std::vector<Vector2d> pixels;
-    for (const Vector2d& point : points) pixels.emplace_back(x + scale * point.x(), floor - scale * (point.y() - low));
+    for (const Vector2d& point : points) pixels.emplace_back(at.x() + scale * point.x(), at.y() - scale * point.y());
     return pixels;
   };
   for (const SeenFigure::Part& part : figure.parts) {
-    if (!part.outline.empty()) shapes.emplace_back(PolygonShape{placed(part.outline), part.colour});
-    if (!part.line.empty()) shapes.emplace_back(LineShape{placed(part.line), 2.0, part.colour});
+    if (!part.outline.empty()) drawing.shapes.emplace_back(PolygonShape{placed(part.outline), part.colour});
+    if (!part.line.empty()) drawing.Line(placed(part.line), part.width, part.colour);
   }
 }
 
-void Write(double x, double y, std::string text, double size, TextAnchor anchor, const Colour& colour, bool bold,
-           std::vector<Shape>& shapes) {
-  shapes.emplace_back(TextShape{Vector2d(x, y), std::move(text), size, anchor, colour, bold});
+std::string WordOf(const std::string& label, const MotionPictureOptions& options) {
+  const auto word = options.words.find(label);
+  return word == options.words.end() ? label : word->second;
 }
 
-/// Approximate number of characters that fit a width.
-std::string Shortened(const std::string& text, double width, double size) {
-  auto most = static_cast<std::size_t>(std::max(1.0, width / (0.56 * size)));
-  if (text.size() <= most) return text;
-  --most;
-  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;  // within a character of UTF-8
-  return text.substr(0, most) + ".";
+const Colour* ColourOf(const std::string& method, const MotionPictureOptions& options) {
+  const auto named = options.colours.find(method);
+  if (named == options.colours.end()) return nullptr;
+  return named->second == "red" ? &kRed : named->second == "green" ? &kGreen : &kBlue;
 }
 
-/// A row's figures and their extent.
-struct SeenRow {
-  std::vector<int> frames;
-  std::vector<SeenFigure> figures;
-  double low = 1e9, high = -1e9;
-};
+std::string ThemeOf(std::size_t row, const MotionPictureOptions& options) {
+  return row < options.themes.size() ? options.themes[row] : "";
+}
 
-/// The root's path on the floor, metres: x to the right, y towards the viewer, in the row's view.
-std::vector<Vector2d> PathOf(const Motion& motion, const Eye& eye) {
-  std::vector<Vector2d> path;
-  const Vector3d start = motion.joints.at(0, 0);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    const Vector3d seen = eye.See(motion.joints.at(f, 0), start);
-    path.emplace_back(seen.x(), seen.z());
+/// Frames of each motion of a row, in proportion to their lengths.
+std::vector<std::vector<int>> FramesOf(const MotionRow& row, std::int64_t stills) {
+  double all = 0.0;
+  for (const Clip& clip : row.clips) all += clip.motion->frame_count();
+  std::vector<std::vector<int>> frames;
+  for (const Clip& clip : row.clips) {
+    const double share = static_cast<double>(stills) * clip.motion->frame_count() / all;
+    frames.push_back(StillFrames(clip.motion->frame_count(), std::max(1, static_cast<int>(std::lround(share)))));
   }
-  return path;
+  return frames;
 }
 
-Eigen::AlignedBox2d BoxOf(const std::vector<Vector2d>& path) {
-  Eigen::AlignedBox2d box;
-  for (const Vector2d& point : path) box.extend(point);
-  return box;
+/// Extent of the root's path, metres.
+Vector3d SpanOf(const Motion& motion) {
+  Eigen::AlignedBox3d box;
+  for (int f = 0; f < motion.frame_count(); ++f) box.extend(motion.joints.at(f, 0));
+  return box.sizes();
 }
 
 class RowsDrawing {
@@ -203,158 +210,401 @@ class RowsDrawing {
       : rows_(rows), options_(options) {
     double tallest = 0.5, widest = 0.3;
     for (const MotionRow& row : rows) {
-      const Motion& motion = *row.clip.motion;
-      const Eye eye(motion);
+      const std::vector<std::vector<int>> frames = FramesOf(row, options.stills);
       SeenRow seen;
-      seen.frames = StillFrames(motion.frame_count(), static_cast<int>(options.stills));
-      for (const int frame : seen.frames) {
-        seen.figures.push_back(FigureOf(row, frame, eye, options.figure));
-        seen.low = std::min(seen.low, seen.figures.back().low);
-        seen.high = std::max(seen.high, seen.figures.back().high);
-        widest = std::max(widest, seen.figures.back().right - seen.figures.back().left);
+      for (std::size_t c = 0; c < row.clips.size(); ++c) {
+        const Motion& motion = *row.clips[c].motion;
+        const Viewpoint view = options.world ? FrontView(*rows.front().clips.front().motion) : FrontView(motion);
+        for (const int frame : frames[c]) {
+          Eye eye = LevelEye(motion, frame, view);
+          eye.only = ColourOf(row.method, options);
+          seen.stills.push_back({c, frame, FigureOf(row, row.clips[c], frame, eye, options.figure)});
+          seen.box.extend(seen.stills.back().figure.box);
+          widest = std::max(widest, seen.stills.back().figure.box.sizes().x());
+        }
       }
-      tallest = std::max(tallest, seen.high - seen.low);
-      paths_.push_back(PathOf(motion, eye));
-      path_span_ = std::max(path_span_, BoxOf(paths_.back()).sizes().maxCoeff());
+      if (!row.clips.empty()) tallest = std::max(tallest, seen.box.sizes().y());
+      if (options.path && row.clips.size() == 1)
+        path_span_ = std::max(path_span_, SpanOf(*row.clips.front().motion).maxCoeff());
       seen_.push_back(std::move(seen));
     }
     scale_ = kFigure / tallest;
     cell_ = std::clamp(widest * scale_ * 0.8, kLeastCell, kMostCell);
+    column_width_ = kNames + cell_ * static_cast<double>(options.stills) + (options.path ? kPath : 0.0) + 2.0 * kSpace;
   }
 
   Drawing Draw() {
-    drawing_.title = options_.title.empty() ? "Motions in rows of equally spaced frames" : options_.title;
-    const double figures = cell_ * static_cast<double>(options_.stills);
-    drawing_.width = kNames + figures + kPath + 2.0 * kSpace;
-    double y = kSpace;
-    if (!options_.title.empty()) {
-      const double fits = (drawing_.width - 2.0 * kSpace) / (0.62 * static_cast<double>(options_.title.size()));
-      Write(kSpace, y + 14.0, options_.title, std::min(14.0, fits), TextAnchor::kStart, kInkColour, true,
-            drawing_.shapes);
-      y += kHead;
+    std::vector<std::string> heads;
+    for (const MotionRow& row : rows_) {
+      if (std::find(heads.begin(), heads.end(), Head(row)) == heads.end()) heads.push_back(Head(row));
     }
-    for (std::size_t r = 0; r < rows_.size(); ++r) y = DrawRow(r, y) + kSpace;
-    Write(drawing_.width - kSpace, y + 4.0, "paths from above, boxes " + RoundedText(path_span_, 2) + " m wide", 9.0,
-          TextAnchor::kEnd, kQuietColour, false, drawing_.shapes);
-    drawing_.height = y + 12.0;
-    return std::move(drawing_);
+    drawing_ = {column_width_ * static_cast<double>(heads.size()), 0.0, options_.title};
+    double top = 4.0;
+    for (const std::string& line : Wrapped(options_.title, drawing_.width - 2.0 * kSpace, 14.0)) {
+      drawing_.Text(kSpace, top += 16.0, line, 14.0, TextAnchor::kStart, kInkColour, true);
+    }
+    double bottom = top;
+    for (std::size_t column = 0; column < heads.size(); ++column) {
+      left_ = column_width_ * static_cast<double>(column);
+      double y = top + kSpace;
+      if (!heads[column].empty()) {
+        drawing_.Text(left_ + kNames, y += 12.0, heads[column], 13.0, TextAnchor::kStart, kInkColour, true);
+        y += 6.0;
+      }
+      for (std::size_t r = 0; r < rows_.size(); ++r) {
+        if (Head(rows_[r]) == heads[column]) y = DrawRow(r, y) + kSpace;
+      }
+      bottom = std::max(bottom, y);
+    }
+    return End(bottom);
   }
 
  private:
+  struct Still {
+    std::size_t clip;
+    int frame;
+    SeenFigure figure;
+  };
+  struct SeenRow {
+    std::vector<Still> stills;
+    Eigen::AlignedBox2d box;
+  };
+
+  std::string Head(const MotionRow& row) const {
+    const auto head = options_.columns.find(row.method);
+    return head == options_.columns.end() ? "" : head->second;
+  }
+
+  Drawing End(double bottom) {
+    std::string legend;
+    for (const MotionRow& row : rows_) {
+      for (const Clip& clip : row.clips) {
+        if (!clip.segments.empty() && options_.themes.empty()) {
+          legend = "green: previous motion, blue: transition, red: action. ";
+        }
+      }
+    }
+    if (!options_.themes.empty()) legend = "green: theme, blue: its labels, orange: the label of each frame. ";
+    if (path_span_ > 0.0) {
+      legend += "Right: the root's path, its shadow on the floor, in squares of " + RoundedText(path_span_, 2) + " m.";
+    }
+    for (const std::string* text : {static_cast<const std::string*>(&legend), &options_.corner}) {
+      for (const std::string& line : Wrapped(*text, drawing_.width - 2.0 * kSpace, kSmall)) {
+        const bool corner = text == &options_.corner;
+        drawing_.Text(corner ? drawing_.width - kSpace : kSpace, bottom += 12.0, line, kSmall,
+                      corner ? TextAnchor::kEnd : TextAnchor::kStart, kQuietColour);
+      }
+    }
+    drawing_.height = bottom + kSpace;
+    return std::move(drawing_);
+  }
+
+  /// Name, theme and label; returns where they end.
+  double DrawNames(std::size_t r, double top) {
+    const MotionRow& row = rows_[r];
+    const bool repeats = r > 0 && rows_[r - 1].method == row.method && rows_[r - 1].label == row.label;
+    if (repeats && options_.themes.empty()) return top;
+    const std::string theme = ThemeOf(r, options_);
+    std::string labels = WordOf(row.label, options_);
+    for (const Clip& clip : row.clips) {
+      for (const Segment& segment : clip.segments) {
+        if (theme.empty() || segment.label == kTransition) continue;
+        labels += (labels.empty() ? "" : ", ") + WordOf(segment.label, options_);
+      }
+    }
+    const auto write = [&](const std::string& text, double size, const Colour& colour, bool bold) {
+      for (const std::string& line : Wrapped(text, kNames - 2.0 * kSpace, size)) {
+        drawing_.Text(left_ + kSpace, top += size + 2.0, line, size, TextAnchor::kStart, colour, bold);
+      }
+    };
+    const Colour* own = ColourOf(row.method, options_);
+    write(row.method, 12.0, own != nullptr ? *own : kInkColour, true);
+    if (!theme.empty()) write(theme, 12.0, kGreen, false);
+    write(labels, 11.0, theme.empty() ? kInkColour : kBlue, false);
+    return top;
+  }
+
   double DrawRow(std::size_t r, double top) {
     const MotionRow& row = rows_[r];
     const SeenRow& seen = seen_[r];
-    const double height = scale_ * (seen.high - seen.low), floor = top + std::max(height, 40.0);
-    std::vector<Shape>& shapes = drawing_.shapes;
-    if (r == 0 || rows_[r - 1].method != row.method || rows_[r - 1].label != row.label) {
-      Write(kSpace, top + 14.0, Shortened(row.method, kNames - kSpace, 12.0), 12.0, TextAnchor::kStart, kInkColour,
-            true, shapes);
-      Write(kSpace, top + 29.0, Shortened(row.label, kNames - kSpace, 11.0), 11.0, TextAnchor::kStart, kInkColour,
-            false, shapes);
+    const double names = DrawNames(r, top), left = left_ + kNames;
+    if (row.clips.empty()) {
+      drawing_.Text(left, top + 14.0, row.why, 12.0, TextAnchor::kStart, kQuietColour);
+      return std::max(names, top + 20.0);
     }
-    shapes.emplace_back(
-        LineShape{{{kNames, floor}, {kNames + cell_ * double(options_.stills), floor}}, 0.8, kFaintColour});
-    const Motion& motion = *row.clip.motion;
-    const double step = static_cast<double>(options_.stills) / static_cast<double>(seen.frames.size());
-    for (std::size_t i = 0; i < seen.frames.size(); ++i) {
-      const double x = kNames + cell_ * step * (static_cast<double>(i) + 0.5);
-      Place(seen.figures[i], x, floor, seen.low, scale_, shapes);
-      Write(x, floor + 11.0, FixedText(motion.rate.FrameTime(seen.frames[i]), 2), 8.5, TextAnchor::kMiddle,
-            kQuietColour, false, shapes);
+    const double width = cell_ * static_cast<double>(options_.stills);
+    const double ground = options_.world ? seen.stills.front().figure.box.min().y() : seen.box.min().y();
+    const double zero = top + std::max(40.0, scale_ * seen.box.sizes().y()) + scale_ * seen.box.min().y();
+    const double floor = zero - scale_ * ground, below = zero - scale_ * seen.box.min().y();
+    drawing_.Line({{left, floor}, {left + width, floor}}, 0.8, kFaintColour);
+    const double step = width / static_cast<double>(seen.stills.size());
+    for (std::size_t i = 0; i < seen.stills.size(); ++i) {
+      const Still& still = seen.stills[i];
+      const double x = left + step * (static_cast<double>(i) + 0.5);
+      Place(still.figure, {x, zero}, scale_, drawing_);
+      drawing_.Text(x, below + 12.0, FixedText(row.clips[still.clip].motion->rate.FrameTime(still.frame), 2), kSmall,
+                    TextAnchor::kMiddle, kQuietColour);
     }
-    DrawPath(paths_[r], top, shapes);
-    const double bottom = std::max(floor + kTimes, top + kPath + 4.0);
-    return row.clip.segments.empty() ? bottom : std::max(bottom, DrawBrackets(row.clip, floor + kTimes) + 2.0);
+    double bottom = below + 14.0;
+    for (std::size_t c = 0, first = 0; c < row.clips.size(); ++c) {
+      std::size_t count = 0;
+      while (first + count < seen.stills.size() && seen.stills[first + count].clip == c) ++count;
+      const double begin = left + step * static_cast<double>(first), end = begin + step * static_cast<double>(count);
+      if (row.clips.size() > 1 && row.clips[c].segments.empty()) {
+        bottom = std::max(bottom, Bracket(begin + 4.0, end - 4.0, below + 16.0, 0.0, row.clips[c].label, kRed));
+      }
+      bottom = std::max(bottom, DrawSegments(row.clips[c], begin, step, static_cast<double>(count), below + 16.0));
+      first += count;
+    }
+    if (options_.path && row.clips.size() == 1)
+      bottom = std::max(bottom, DrawPath(*row.clips.front().motion, left + width, top));
+    return std::max(bottom, names);
   }
 
-  double DrawBrackets(const Clip& clip, double top) {
-    const Motion& motion = *clip.motion;
-    const double last = std::max(1e-9, motion.rate.FrameTime(motion.frame_count() - 1));
-    const auto count = static_cast<double>(std::min<std::int64_t>(options_.stills, motion.frame_count()));
+  /// A bracket with its text below, which may reach `more` pixels beyond it at either end; returns where it ends.
+  double Bracket(double begin, double end, double top, double more, const std::string& label, const Colour& colour) {
+    end = std::max(end, begin + 1.0);
+    drawing_.Line({{begin, top}, {begin, top + 5.0}, {end, top + 5.0}, {end, top}}, 1.4, colour);
+    double y = top + 6.0;
+    for (const std::string& line : Wrapped(label, end - begin + 2.0 * more, kSmall)) {
+      drawing_.Text(0.5 * (begin + end), y += 10.0, line, kSmall, TextAnchor::kMiddle, colour);
+    }
+    return y + 2.0;
+  }
+
+  double DrawSegments(const Clip& clip, double left, double step, double count, double top) {
+    const double last = std::max(1e-9, clip.motion->rate.FrameTime(clip.motion->frame_count() - 1));
     const auto x_of = [&](double seconds) {  // from the first figure to the last
-      const double place = std::clamp(seconds / last, 0.0, 1.0) * (count - 1.0) + 0.5;
-      return kNames + cell_ * place * static_cast<double>(options_.stills) / count;
+      return left + step * (std::clamp(seconds / last, 0.0, 1.0) * (count - 1.0) + 0.5);
     };
-    std::vector<Shape>& shapes = drawing_.shapes;
-    for (const Segment& segment : clip.segments) {
+    double bottom = top;
+    for (std::size_t i = 0; i < clip.segments.size(); ++i) {
+      const Segment& segment = clip.segments[i];
       const bool transition = segment.label == kTransition;
-      const Colour& colour = transition ? kQuietColour : kInkColour;
-      const double begin = x_of(segment.begin_s) + 1.5, end = std::max(begin + 1.0, x_of(segment.end_s) - 1.5);
-      shapes.emplace_back(
-          LineShape{{{begin, top}, {begin, top + 5.0}, {end, top + 5.0}, {end, top}}, 1.2, colour, transition});
-      Write(0.5 * (begin + end), top + 16.0, Shortened(segment.label, end - begin + 10.0, 9.0), 9.0,
-            TextAnchor::kMiddle, colour, false, shapes);
+      const Colour& colour = !options_.themes.empty()      ? transition ? kQuietColour : kOrange
+                             : transition                  ? kBlue
+                             : segment.origin == kRecorded ? kGreen
+                                                           : kRed;
+      double more = 2.0;  // transitions have no text
+      if (i + 1 < clip.segments.size() && clip.segments[i + 1].label == kTransition) {
+        more = 0.5 * (x_of(clip.segments[i + 1].end_s) - x_of(clip.segments[i + 1].begin_s));
+      }
+      const std::string text = transition ? "" : WordOf(segment.label, options_);
+      bottom =
+          std::max(bottom, Bracket(x_of(segment.begin_s) + 1.5, x_of(segment.end_s) - 1.5, top, more, text, colour));
     }
-    return top + kBracket;
+    return bottom;
   }
 
-  void DrawPath(const std::vector<Vector2d>& path, double top, std::vector<Shape>& shapes) const {
-    const double left = drawing_.width - kSpace - kPath, scale = (kPath - 8.0) / std::max(path_span_, 1e-6);
-    shapes.emplace_back(
-        LineShape{{{left, top}, {left + kPath, top}, {left + kPath, top + kPath}, {left, top + kPath}, {left, top}},
-                  0.6,
-                  kFaintColour});
-    const Vector2d middle = BoxOf(path).center();
-    std::vector<Vector2d> pixels;
-    for (const Vector2d& point : path) {
-      pixels.emplace_back(left + 0.5 * kPath + scale * (point.x() - middle.x()),
-                          top + 0.5 * kPath + scale * (point.y() - middle.y()));
+  /// The root's path in perspective with its shadow on the floor, and its extent in words.
+  double DrawPath(const Motion& motion, double left, double top) {
+    Eye eye{FrontView(motion)};
+    eye.view.pitch = 0.55;
+    Eigen::AlignedBox3d box;
+    for (int f = 0; f < motion.frame_count(); ++f) box.extend(motion.joints.at(f, 0));
+    const double half = 0.5 * std::max(path_span_, 1e-6), scale = 0.36 * kPath / half / std::sqrt(2.0);
+    const double low = box.min().y();
+    eye.origin = Vector3d(box.center().x(), low, box.center().z());
+    const Vector2d middle(left + kSpace + 0.5 * kPath, top + 0.72 * kPath);
+    const auto place = [&](const Vector3d& point) {
+      const Vector3d seen = eye.See(point);
+      return Vector2d(middle.x() + scale * seen.x(), middle.y() - scale * seen.y());
+    };
+    std::vector<Vector2d> square, path, shadow;
+    for (const auto& [x, z] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}) {
+      square.push_back(place(eye.origin + half * Vector3d(x, 0.0, z)));
     }
-    shapes.emplace_back(PolygonShape{HullOfDiscs(pixels.front(), pixels.front(), 2.5), kBlue});
-    shapes.emplace_back(LineShape{std::move(pixels), 1.3, kInkColour});
+    for (int f = 0; f < motion.frame_count(); ++f) {
+      const Vector3d root = motion.joints.at(f, 0);
+      path.push_back(place(root));
+      shadow.push_back(place({root.x(), low, root.z()}));
+    }
+    drawing_.Line(square, 0.7, kFaintColour);
+    drawing_.Line(shadow, 1.2, kQuietColour, true);
+    drawing_.Line(path, 1.8, kAfterColour);
+    drawing_.Dot(path.back(), 5.0, kRightColour);
+    double y = top + kPath + 6.0;
+    const Vector3d span = SpanOf(motion);
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string text = std::string(1, "xyz"[axis]) + " " + FixedText(span[axis], 2) + (axis == 2 ? " m" : "");
+      drawing_.Text(left + kSpace + 35.0 * axis, y, text, 8.5, TextAnchor::kStart, kQuietColour);
+    }
+    return y + 4.0;
   }
 
   const std::vector<MotionRow>& rows_;
   const MotionPictureOptions& options_;
   std::vector<SeenRow> seen_;
-  std::vector<std::vector<Vector2d>> paths_;
-  double path_span_ = 0.5;
-  double scale_ = 1.0;
-  double cell_ = 60.0;
+  double path_span_ = 0.0, scale_ = 1.0, cell_ = kLeastCell, column_width_ = 0.0, left_ = 0.0;
   Drawing drawing_;
 };
+
+/// The lowest joint of a motion's last frame.
+double LowestAtEnd(const Motion& motion) {
+  double low = 1e9;
+  for (int j = 0; j < motion.joint_count(); ++j) low = std::min(low, motion.joints.at(motion.frame_count() - 1, j).y());
+  return low;
+}
+
+/// A motion in its world, in a square panel: earlier frames light, the last one dark, over the floor.
+void DrawScene(const MotionRow& row, double floor, double left, double top, const MotionPictureOptions& options,
+               Drawing& drawing) {
+  const Clip& clip = row.clips.front();
+  const Motion& motion = *clip.motion;
+  const Colour own = ColourOf(row.method, options) != nullptr ? *ColourOf(row.method, options) : kGrey;
+  Eye eye{{1.1, 0.25}};
+  SeenFigure all;
+  Eigen::AlignedBox3d ground(Vector3d::Zero());
+  const std::vector<int> frames = StillFrames(motion.frame_count(), static_cast<int>(options.stills));
+  for (const int frame : frames) {
+    const Colour colour = frame == frames.back() ? own : Lightened(own, 0.7);
+    eye.only = &colour;
+    SeenFigure figure = FigureOf(row, clip, frame, eye, options.figure);
+    const double nearer = frame == frames.back() ? 1e3 : 0.0;  // the last frame is over the others
+    for (SeenFigure::Part& part : figure.parts) part.depth += nearer;
+    all.parts.insert(all.parts.end(), figure.parts.begin(), figure.parts.end());
+    for (int j = 0; j < motion.joint_count(); ++j) ground.extend(Vector3d(motion.joints.at(frame, j)));
+  }
+  const auto line = [&](const Vector3d& from, const Vector3d& to, const Colour& colour, double depth, double width) {
+    all.parts.push_back({depth, {}, {eye.See(from).head<2>(), eye.See(to).head<2>()}, colour, width});
+  };
+  const Vector3d low = (2.0 * ground.min()).array().floor() / 2.0, high = (2.0 * ground.max()).array().ceil() / 2.0;
+  for (double x = low.x(); x <= high.x() + 1e-9; x += 0.5) {
+    line({x, floor, low.z()}, {x, floor, high.z()}, kFaintColour, -2e3, 0.8);
+  }
+  for (double z = low.z(); z <= high.z() + 1e-9; z += 0.5) {
+    line({low.x(), floor, z}, {high.x(), floor, z}, kFaintColour, -2e3, 0.8);
+  }
+  line({0, floor, 0}, {0.4, floor, 0}, kRed, -1e3, 2.0);
+  line({0, floor, 0}, {0, floor, 0.4}, kInkColour, -1e3, 2.0);
+  Order(all);
+  const double scale = (kScene - 4.0 * kSpace) / std::max(all.box.sizes().maxCoeff(), 1e-6);
+  const Vector2d centre = all.box.center();
+  drawing.Text(left + kSpace, top, row.method, 12.0, TextAnchor::kStart, own, true);
+  Place(all, {left + 0.5 * kScene - scale * centre.x(), top + 0.5 * kScene + scale * centre.y()}, scale, drawing);
+}
+
+/// Scenes side by side, below the label that they share; motions of a label whose last roots are equally high share
+/// the first one's floor.
+Drawing DrawScenes(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
+  Drawing drawing{kScene * static_cast<double>(rows.size()), 0.0, options.title};
+  drawing.Text(kSpace, 22.0, options.title, 14.0, TextAnchor::kStart, kInkColour, true);
+  std::size_t first = 0;  // of the label
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const double left = kScene * static_cast<double>(r);
+    if (r == 0 || rows[r].label != rows[r - 1].label) {
+      first = r;
+      drawing.Text(left + kSpace, 46.0, rows[r].label, 12.0, TextAnchor::kStart, kInkColour, true);
+    }
+    const Motion &motion = *rows[r].clips.front().motion, &shared = *rows[first].clips.front().motion;
+    const auto root = [](const Motion& of) { return of.joints.at(of.frame_count() - 1, 0).y(); };
+    const bool alike = std::abs(root(motion) - root(shared)) < 1e-3;
+    DrawScene(rows[r], LowestAtEnd(alike ? shared : motion), left, 64.0, options, drawing);
+  }
+  const double bottom = 64.0 + kScene + kSmall;
+  drawing.Text(kSpace, bottom, "Dark: the last frame. Squares of 0.5 m; from the origin x is red, z black.", kSmall,
+               TextAnchor::kStart, kQuietColour);
+  drawing.Text(drawing.width - kSpace, bottom, options.corner, kSmall, TextAnchor::kEnd, kQuietColour);
+  drawing.height = bottom + kSpace;
+  return drawing;
+}
 
 }  // namespace
 
 Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
-  return RowsDrawing(rows, options).Draw();
+  return options.scene ? DrawScenes(rows, options) : RowsDrawing(rows, options).Draw();
+}
+
+nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
+  nlohmann::json described = nlohmann::json::array();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const MotionRow& row = rows[r];
+    nlohmann::json one = {{"source", row.method},
+                          {"label", row.label},
+                          {"theme", ThemeOf(r, options)},
+                          {"clips", nlohmann::json::array()},
+                          {"frames", FramesOf(row, options.stills)},
+                          {"segments", nlohmann::json::array()},
+                          {"absent", row.why}};
+    if (const auto head = options.columns.find(row.method); head != options.columns.end()) one["column"] = head->second;
+    if (const auto own = options.colours.find(row.method); own != options.colours.end()) one["colour"] = own->second;
+    for (const Clip& clip : row.clips) {
+      const Vector3d span = SpanOf(*clip.motion);
+      one["clips"].push_back(
+          {{"id", clip.id()}, {"label", WordOf(clip.label, options)}, {"path_m", {span.x(), span.y(), span.z()}}});
+      for (const Segment& segment : clip.segments) {
+        one["segments"].push_back({{"label", WordOf(segment.label, options)},
+                                   {"origin", segment.origin},
+                                   {"begin_s", segment.begin_s},
+                                   {"end_s", segment.end_s}});
+      }
+    }
+    described.push_back(std::move(one));
+  }
+  return described;
 }
 
 Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double seconds) {
   constexpr double kCell = 170.0, kText = 34.0;
   const auto columns = static_cast<std::size_t>(std::min(6.0, std::ceil(std::sqrt(double(rows.size()) * 1.6))));
-  Drawing drawing;
-  drawing.title = options.title;
-  drawing.width = kCell * static_cast<double>(columns);
-  drawing.height = (kCell + kText) * std::ceil(double(rows.size()) / static_cast<double>(columns));
+  Drawing drawing{kCell * static_cast<double>(columns),
+                  (kCell + kText) * std::ceil(double(rows.size()) / static_cast<double>(columns)), options.title};
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const MotionRow& row = rows[r];
-    const Motion& motion = *row.clip.motion;
-    const Eye eye(motion);
+    const Clip& clip = rows[r].clips.front();
+    const Motion& motion = *clip.motion;
     const int frame =
         std::clamp(static_cast<int>(std::lround(seconds * motion.rate.hz())), 0, motion.frame_count() - 1);
-    double low = 1e9, high = -1e9;
+    Eigen::AlignedBox1d height;
     for (int f = 0; f < motion.frame_count(); ++f) {
       for (int j = 0; j < motion.joint_count(); ++j) {
-        low = std::min(low, motion.joints.at(f, j).y());
-        high = std::max(high, motion.joints.at(f, j).y());
+        height.extend(Eigen::AlignedBox1d(Eigen::Matrix<double, 1, 1>(motion.joints.at(f, j).y())));
       }
     }
-    const double left = kCell * static_cast<double>(r % columns);
-    const double top = (kCell + kText) * std::floor(double(r) / static_cast<double>(columns));
-    const double scale = (kCell - 24.0) / std::max(1.9, high - low + 0.2);
-    const SeenFigure figure = FigureOf(row, frame, eye, options.figure);
-    drawing.shapes.emplace_back(
-        LineShape{{{left + 12.0, top + kCell - 6.0}, {left + kCell - 12.0, top + kCell - 6.0}}, 0.8, kFaintColour});
-    Place(figure, left + 0.5 * kCell, top + kCell - 6.0, low, scale, drawing.shapes);
-    std::string label = row.label;
-    for (const Segment& segment : row.clip.segments) {
+    const double left = kCell * static_cast<double>(r % columns), middle = left + 0.5 * kCell;
+    const double floor = (kCell + kText) * std::floor(double(r) / static_cast<double>(columns)) + kCell - 6.0;
+    const double scale = (kCell - 24.0) / std::max(1.9, height.sizes()[0] + 0.2);
+    drawing.Line({{left + 12.0, floor}, {left + kCell - 12.0, floor}}, 0.8, kFaintColour);
+    Place(FigureOf(rows[r], clip, frame, LevelEye(motion, frame, FrontView(motion)), options.figure),
+          {middle, floor + scale * height.min()[0]}, scale, drawing);
+    std::string label = rows[r].label;
+    for (const Segment& segment : clip.segments) {
       if (seconds >= segment.begin_s && seconds < segment.end_s) label = segment.label;
     }
-    Write(left + 0.5 * kCell, top + kCell + 10.0, Shortened(row.method, kCell, 11.0), 11.0, TextAnchor::kMiddle,
-          kInkColour, true, drawing.shapes);
-    Write(left + 0.5 * kCell, top + kCell + 24.0, Shortened(label, kCell, 11.0), 11.0, TextAnchor::kMiddle,
-          label == kTransition ? kQuietColour : kInkColour, false, drawing.shapes);
+    drawing.Text(middle, floor + 16.0, rows[r].method, 11.0, TextAnchor::kMiddle, kInkColour, true);
+    drawing.Text(middle, floor + 30.0, label, 11.0, TextAnchor::kMiddle,
+                 label == kTransition ? kQuietColour : kInkColour);
+  }
+  return drawing;
+}
+
+Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const JointTracks* tracks, bool bones) {
+  constexpr double kHeight = 200.0;
+  const std::vector<int> frames = StillFrames(motion.frame_count());
+  std::vector<SeenFigure> figures;
+  Eigen::AlignedBox2d box;
+  for (const int frame : frames) {
+    Eye eye = LevelEye(motion, frame, FrontView(motion));
+    eye.view.pitch = FrontView(motion).pitch;
+    SeenFigure bare, drawn;
+    AddBoneLines(motion, frame, eye, bare);
+    Order(bare);
+    box.extend(bare.box);
+    if (bones) drawn = bare;
+    for (SeenFigure::Part& part : drawn.parts) part.width = 3.0;
+    if (tracks != nullptr) AddTracks(*tracks, *motion.skeleton, frame, eye, drawn);
+    Order(drawn);
+    figures.push_back(std::move(drawn));
+  }
+  const double scale = (kHeight - 34.0) / std::max(0.3, box.sizes().y());
+  const double cell = std::clamp(box.sizes().x() * scale + 20.0, 60.0, 260.0);
+  Drawing drawing{cell * static_cast<double>(frames.size()), kHeight,
+                  "Stick figures of " + name + ", " + std::to_string(frames.size()) + " stills from " +
+                      std::to_string(motion.frame_count()) + " frames"};
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double x = cell * (static_cast<double>(i) + 0.5);
+    Place(figures[i], {x - scale * box.center().x(), 8.0 + scale * box.max().y()}, scale, drawing);
+    drawing.Text(x, kHeight - 6.0, FixedText(motion.rate.FrameTime(frames[i]), 2) + " s", 13.0, TextAnchor::kMiddle,
+                 kQuietColour);
   }
   return drawing;
 }

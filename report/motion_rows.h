@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +14,13 @@
 
 namespace mocurate {
 
-/// A motion of a picture: its source and content.
+/// A row of a picture: its source and motions, which stand one after the other.
 struct MotionRow {
   std::string method;
   std::string label;
-  Clip clip;
+  std::vector<Clip> clips;   ///< none: the row says `why`
   std::optional<Skin> skin;  ///< drawn instead of bones
+  std::string why;           ///< why the source has no motion
 };
 
 /// A set of motions with the name of its source.
@@ -28,9 +30,9 @@ struct NamedMotions {
 };
 
 /// The motions to show: of each label of the options and each set the first `samples` clips, or the named clips;
-/// without either one of each class, or for sets of long motions (clips with segments) the first ones. Errors:
-/// kNotFound for a label that no set has and for an unknown clip, kInconsistent for clips without a motion, kUsage for
-/// more than `most_rows`.
+/// without either one of each class, or for sets of long motions (clips with segments) the first ones. Sources of
+/// `joined` have one row of all. Errors: kNotFound for a label that no set has and for an unknown clip, kInconsistent
+/// for clips without a motion, kUsage for more than `most_rows`.
 Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions>& sets,
                                                   const MotionPictureOptions& options);
 
@@ -40,11 +42,21 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
 /// Names of the sets without a row.
 std::vector<std::string> SourcesWithout(const StageRequest& request, const std::vector<MotionRow>& rows);
 
-/// Rows of equally spaced frames at one scale, each figure below its own root: name and label to the left, seconds
-/// below, brackets over the segments of long motions (transitions dashed), the root's path from above to the right.
+/// Rows of equally spaced frames at one scale, each figure below its own root: name, theme and label to the left,
+/// seconds below, brackets over the segments of long motions; to the right the root's path in perspective, with its
+/// shadow on the floor. With `world` all rows stand over their floor; with `scene` each label is one panel.
 Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
+
+/// What DrawMotionRows shows: [{"source", "label", "theme", "clips", "frames": of each clip, "segments": [{"label",
+/// "begin_s", "end_s"}], "column", "colour", "path_m": extent of the root's path along x, y, z, "absent"}].
+nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
 
 /// All rows at one moment, side by side; a motion that has ended stays at its last frame.
 Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double seconds);
+
+/// Stick figures of a clip side by side: tracked points grey, where there are `tracks`; the motion in colour, where
+/// `bones`. Both are at the same positions.
+Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const JointTracks* tracks = nullptr,
+                      bool bones = true);
 
 }  // namespace mocurate

@@ -45,6 +45,10 @@ void PictureOptions::Declare(OptionVisitor& v) {
            "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
 }
 
+void PlotOptions::Declare(OptionVisitor& v) {
+  v.Choice("format", format, {{"svg", PictureFormat::kSvg}, {"png", PictureFormat::kPng}}, "format of the picture");
+}
+
 void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Text("title", title, "title above the picture");
   v.Texts("labels", labels, "classes to show; empty: all");
@@ -52,6 +56,16 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Integer("samples", samples, {1.0, 100.0}, "motions of each label and method");
   v.Integer("stills", stills, {1.0, 60.0}, "equally spaced frames of a row");
   v.Integer("most_rows", most_rows, {1.0, 500.0}, "maximum rows of a picture");
+  v.Text("corner", corner, "text below the picture: origin of what it shows");
+  v.Texts("joined", joined, "sources whose motions stand in one row");
+  v.Texts("themes", themes, "theme of each row; then each segment's label is below its frames");
+  v.TextMap("columns", columns, "source -> head of its column");
+  v.TextMap("words", words, "class -> what the picture calls it");
+  v.TextMap("colours", colours, "source -> red, green or blue");
+  v.TextMap("absent", absent, "source -> why it has no motion");
+  v.Bool("path", path, "draw the root's path beside each row");
+  v.Bool("world", world, "all rows in one view, over the floor of their first frame");
+  v.Bool("scene", scene, "a panel for each label, with all its motions in their world");
   v.Choice("figure", figure,
            {{"bones", FigureChoice::kBones}, {"capsules", FigureChoice::kCapsules}, {"skin", FigureChoice::kSkin}},
            "figure of a person");
@@ -59,23 +73,23 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 20, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 21, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ReviewDeclaration() { return {"review", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReviewDeclaration() { return {"review", 4, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration AnnotateDeclaration() { return {"annotate", 4, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration SurveyDeclaration() { return {"survey", 2, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 9, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-video", ClipLimits()}; }
 
-StageDeclaration MotionPictureDeclaration() { return {"draw", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration MotionPictureDeclaration() { return {"draw", 3, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration MotionVideoDeclaration() { return {"draw_video", 1, "mocurate-video", WholeSetLimits()}; }
+StageDeclaration MotionVideoDeclaration() { return {"draw_video", 2, "mocurate-video", WholeSetLimits()}; }
 
-StageDeclaration PlotDeclaration() { return {"plot", 1, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration PlotDeclaration() { return {"plot", 2, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration PictureDeclaration() { return {"picture", 4, "mocurate-annotate", ClipLimits()}; }
 

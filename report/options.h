@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,13 @@ struct ClipPageOptions {
 enum class FigureChoice { kBones, kCapsules, kSkin };
 enum class PictureFormat { kSvg, kPng };
 
+/// Options of a sheet of plots.
+struct PlotOptions {
+  PictureFormat format = PictureFormat::kSvg;
+
+  void Declare(OptionVisitor& v);
+};
+
 /// Options of a picture of motions: rows of methods, labels and samples, each of equally spaced frames.
 struct MotionPictureOptions {
   std::string title;
@@ -75,6 +83,16 @@ struct MotionPictureOptions {
   std::int64_t samples = 1;         ///< of each label and method
   std::int64_t stills = 10;         ///< frames of a row
   std::int64_t most_rows = 60;
+  std::string corner;                          ///< below the picture: origin of what it shows
+  std::vector<std::string> joined;             ///< sources whose motions stand in one row, one after the other
+  std::vector<std::string> themes;             ///< of the rows, in order; then each segment's label is below its frames
+  std::map<std::string, std::string> columns;  ///< source -> head of its column; empty: one column
+  std::map<std::string, std::string> words;    ///< class -> what the picture calls it
+  std::map<std::string, std::string> colours;  ///< source -> red, green or blue, instead of the sides' colours
+  std::map<std::string, std::string> absent;   ///< source -> why it has no motion: a row that says so
+  bool path = true;                            ///< the root's path beside each row
+  bool world = false;                          ///< all rows in one view, over the floor of their first frame
+  bool scene = false;                          ///< a panel for each label, with all its motions in their world
   FigureChoice figure = FigureChoice::kBones;
   PictureFormat format = PictureFormat::kSvg;
   double scale = 2.0;  ///< pixels of a PNG or video for each unit of the drawing

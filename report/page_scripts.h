@@ -35,17 +35,7 @@ table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%);
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
-svg { display: block; width: 100%; height: auto; } svg.strip { background: var(--page); border-radius: 8px; max-height: 240px; }
-.label { font-size: 12px; fill: var(--soft); } .value { font-size: 12px; fill: var(--ink); }
-.before { fill: var(--before); } .after { fill: var(--after); } .good { fill: var(--good); } .suspect { fill: var(--suspect); }
-.bad { fill: var(--bad); } .axis { stroke: var(--soft); } .grid { stroke: var(--grid); }
-.median { stroke: var(--ink); stroke-width: 1.5; stroke-dasharray: 3 2; }
-.curve { fill: none; stroke-width: 2; stroke-linejoin: round; } .c0 { stroke: #2563c9; } .c1 { stroke: #c2571a; }
-.c2 { stroke: #2c8a57; } .c3 { stroke: #8a4fbf; } .c4 { stroke: #b08900; } .c5 { stroke: #7b8794; }
-.seen { stroke: var(--before); stroke-width: 1.2; } .point { fill: var(--page); stroke: var(--ink); stroke-width: 1; }
-svg.strip .label { font-size: 13px; }
-.bone { stroke: var(--after); stroke-width: 3; stroke-linecap: round; } .bone.left { stroke: var(--left); }
-.bone.right { stroke: var(--right); }
+svg { display: block; width: 100%; height: auto; } .clip svg { background: var(--page); border-radius: 8px; max-height: 240px; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); gap: 14px 28px; margin: 12px 0; }
 .charts.wide { grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); }
 figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-bottom: 4px; }
@@ -55,7 +45,6 @@ video { display: block; max-width: 100%; max-height: 560px; border-radius: 8px; 
 .player.alone { max-width: 560px; margin-top: 14px; } .player.alone canvas { height: 340px; }
 .s-observed { fill: var(--grid); background: var(--grid); } .s-repaired { fill: var(--bad); background: var(--bad); }
 .s-interpolated { fill: var(--suspect); background: var(--suspect); } .s-inferred { fill: var(--soft); background: var(--soft); }
-.states .label { font-size: 10px; }
 .player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;
   touch-action: none; }
 .player canvas:focus-visible, button:focus-visible, input:focus-visible, a:focus-visible { outline: 2px solid var(--after);

@@ -8,6 +8,7 @@
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
+#include "report/motion_rows.h"
 #include "report/options.h"
 #include "report/page_scripts.h"
 #include "report/review_script.h"
@@ -64,7 +65,7 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
                        ShortText(clip.rate.hz()) + " Hz" +
                        (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
                    "soft") +
-         "<div class=\"clip\"><div>" + FilmstripSvg(clip.id(), *clip.motion) + "</div>\n" +
+         "<div class=\"clip\"><div>" + ToInlineSvg(DrawFilmstrip(clip.id(), *clip.motion)) + "</div>\n" +
          PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
          button("drop", "d") + button("relabel", "r") +
          LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +

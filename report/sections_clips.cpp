@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <map>
 
+#include "report/charts.h"
 #include "report/html.h"
 #include "report/page.h"
 #include "report/run_facts.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
@@ -250,14 +250,14 @@ std::string FunnelHtml(const ReportInput& input) {
     const long long ruled = count("excluded");
     const long long lost = count("refused") + count("crashed");
     chart.rows.push_back({name,
-                          {{static_cast<double>(count("done")), "good", "done"},
-                           {static_cast<double>(count("suspect")), "suspect", "suspect"},
-                           {static_cast<double>(ruled), "before", "excluded by rule"},
-                           {static_cast<double>(lost), "bad", "failed"}},
+                          {{static_cast<double>(count("done")), kGoodColour, "done"},
+                           {static_cast<double>(count("suspect")), kSuspectColour, "suspect"},
+                           {static_cast<double>(ruled), kBeforeColour, "excluded by rule"},
+                           {static_cast<double>(lost), kBadColour, "failed"}},
                           std::to_string(count("items") - ruled - lost) + " of " + std::to_string(count("items"))});
   }
   chart.rows.push_back({"kept",
-                        {{static_cast<double>(KeptClips(input.run)), "after", "kept"}},
+                        {{static_cast<double>(KeptClips(input.run)), kAfterColour, "kept"}},
                         std::to_string(KeptClips(input.run)) + " of " + std::to_string(listed)});
   std::string html = Paragraph("Results of " + Plural(listed, "clip") + " by stage.");
   html += Paragraph(
@@ -265,7 +265,7 @@ std::string FunnelHtml(const ReportInput& input) {
       "style=\"margin-left:12px\"></span>"
       "excluded by a rule<span class=\"k-bad\"></span>failed<span class=\"k-after\"></span>in the dataset",
       "key soft");
-  html += chart.Svg() + ReasonsTable(input.run);
+  html += ToInlineSvg(chart.Draw()) + ReasonsTable(input.run);
   return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";
 }
 
@@ -289,12 +289,12 @@ std::string DatasetHtml(const ReportInput& input) {
   if (labels.is_object()) {
     for (const auto& [label, count] : labels.items()) {
       const double value = count.is_number() ? count.get<double>() : 0.0;
-      chart.rows.push_back({label.empty() ? "(none)" : label, {{value, "after", "clips"}}, FixedText(value, 0)});
+      chart.rows.push_back({label.empty() ? "(none)" : label, {{value, kAfterColour, "clips"}}, FixedText(value, 0)});
     }
   }
   if (chart.rows.empty()) return html;
   return html + "<details" + (chart.rows.size() <= 12 ? " open" : "") + "><summary>Clips per label (" +
-         std::to_string(chart.rows.size()) + ")</summary>" + chart.Svg() + "</details>\n";
+         std::to_string(chart.rows.size()) + ")</summary>" + ToInlineSvg(chart.Draw()) + "</details>\n";
 }
 
 std::string FindingsHtml(const ReportInput& input) {

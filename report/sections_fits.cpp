@@ -2,11 +2,12 @@
 #include <cmath>
 
 #include "core/base/text.h"
+#include "report/charts.h"
 #include "report/html.h"
+#include "report/motion_rows.h"
 #include "report/page.h"
 #include "report/painters.h"
 #include "report/run_facts.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
@@ -92,18 +93,18 @@ std::string Figures(const DrawnClip& clip) {
 
 /// Share of whitened errors within a number of estimated standard deviations, beside the expected share.
 std::string CoverageChart(const nlohmann::json& error) {
-  LineChart chart{"Errors within a number of estimated standard deviations", "standard deviations", "%", {{}, {}}};
+  Plot chart{"Errors within a number of estimated standard deviations", "standard deviations", "%", {{}, {}}};
   chart.curves[0] = {"if calibrated", {{0.0, 0.0}}, 5};
   chart.curves[1] = {"measured", {{0.0, 0.0}}, 0};
   double sigmas = 0.0;
   for (const double share : NumbersOf(Field(error, "within_quarters_of_sigma"))) {
     sigmas += 0.25;
-    chart.curves[0].points.emplace_back(sigmas, 100.0 * std::erf(sigmas / std::sqrt(2.0)));
-    chart.curves[1].points.emplace_back(sigmas, 100.0 * share);
+    chart.curves[0].points.push_back({sigmas, 100.0 * std::erf(sigmas / std::sqrt(2.0))});
+    chart.curves[1].points.push_back({sigmas, 100.0 * share});
   }
   if (sigmas == 0.0) return "";
   return "<div class=\"charts wide\">" +
-         Figure("Errors within a number of estimated standard deviations, %", chart.Svg()) + "</div>\n";
+         Figure("Errors within a number of estimated standard deviations, %", ToInlineSvg(chart.Draw())) + "</div>\n";
 }
 
 }  // namespace
@@ -121,12 +122,12 @@ std::string QualityHtml(const ReportInput& input) {
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
     const TwoSidedHistogram chart{name + ": clips before (above) and after (below)", measure.unit, before, after};
-    charts += Figure(name, chart.Svg());
+    charts += Figure(name, ToInlineSvg(chart.Draw()));
   }
   const std::vector<double> residuals = OverClips(input.run, "", "residual_rms_mm");
   if (residuals.size() >= kFewClips) {
     const TwoSidedHistogram chart{"Residual RMS per clip, mm", "mm", {}, residuals};
-    charts += Figure("Residual RMS, mm", chart.Svg());
+    charts += Figure("Residual RMS, mm", ToInlineSvg(chart.Draw()));
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())
@@ -185,7 +186,7 @@ std::string FilmstripsHtml(const ReportInput& input) {
   for (std::size_t i = 0; i < input.drawn.size(); ++i) {
     const DrawnClip& clip = input.drawn[i];
     html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
-            FilmstripSvg(clip.item, *clip.fitted.motion, TracksOf(clip)) + "</div>\n" +
+            ToInlineSvg(DrawFilmstrip(clip.item, *clip.fitted.motion, TracksOf(clip))) + "</div>\n" +
             PlayerHtml(clip.item, std::to_string(i), TracksOf(clip) != nullptr) + "</div>\n";
     if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
       html += Overlays(clip);

@@ -3,10 +3,11 @@
 #include <map>
 
 #include "core/base/text.h"
+#include "report/charts.h"
 #include "report/html.h"
+#include "report/motion_rows.h"
 #include "report/page.h"
 #include "report/run_facts.h"
-#include "report/svg.h"
 
 namespace mocurate {
 namespace {
@@ -62,8 +63,8 @@ std::string ConfusionTable(const nlohmann::json& scored) {
 }
 
 /// Means over blocks, so that a chart has at most kMostPoints; NaN is skipped. `x` may be empty: 1, 2, 3, ...
-std::vector<std::pair<double, double>> Thinned(const std::vector<double>& x, const std::vector<double>& y) {
-  std::vector<std::pair<double, double>> points;
+std::vector<PlotPoint> Thinned(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<PlotPoint> points;
   const std::size_t count = x.empty() ? y.size() : std::min(x.size(), y.size());
   const std::size_t block = std::max<std::size_t>(1, (count + kMostPoints - 1) / kMostPoints);
   for (std::size_t begin = 0; begin < count; begin += block) {
@@ -74,7 +75,7 @@ std::vector<std::pair<double, double>> Thinned(const std::vector<double>& x, con
       sum_y += y[i];
       used += 1.0;
     }
-    if (used > 0.0) points.emplace_back(sum_x / used, sum_y / used);
+    if (used > 0.0) points.push_back({sum_x / used, sum_y / used});
   }
   return points;
 }
@@ -91,9 +92,9 @@ std::map<std::string, const nlohmann::json*> Trainings(const nlohmann::json& run
 
 bool IsRecogniser(const nlohmann::json& training) { return Field(training, "epochs").is_number(); }
 
-std::string Chart(const LineChart& chart) {
+std::string Chart(const Plot& chart) {
   if (chart.curves.empty()) return "";
-  return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + chart.Svg() + "</figure>\n";
+  return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + ToInlineSvg(chart.Draw()) + "</figure>\n";
 }
 
 /// " (250 iterations, batches of 64 clips)" of a group of trainings; values that differ between them or are unknown are
@@ -115,12 +116,12 @@ std::string LengthText(const std::vector<std::pair<std::string, const nlohmann::
 
 std::string GeneratorCharts(const std::string& item, const nlohmann::json& training) {
   const nlohmann::json& history = Field(training, "history");
-  LineChart loss{item + ": loss" + LengthText({{item, &training}}), "iteration", "loss", {}};
-  LineChart kl{item + ": Kullback-Leibler term", "iteration", "KL", {}};
+  Plot loss{item + ": loss" + LengthText({{item, &training}}), "iteration", "loss", {}};
+  Plot kl{item + ": Kullback-Leibler term", "iteration", "KL", {}};
   const std::vector<double> steps = NumbersOf(Field(history, "step"));
   for (const auto& [column, values] : history.items()) {
     if (column == "step") continue;
-    LineChart& chart = column == "kl" ? kl : loss;
+    Plot& chart = column == "kl" ? kl : loss;
     chart.curves.push_back({column, Thinned(steps, NumbersOf(values))});
   }
   return Chart(loss) + Chart(kl);
@@ -128,8 +129,8 @@ std::string GeneratorCharts(const std::string& item, const nlohmann::json& train
 
 std::string RecogniserCharts(const std::string& kind,
                              const std::vector<std::pair<std::string, const nlohmann::json*>>& seeds) {
-  LineChart loss{kind + ": training loss by seed" + LengthText(seeds), "step", "loss", {}};
-  LineChart accuracy{kind + ": accuracy on the validation fold by seed", "step", "accuracy", {}};
+  Plot loss{kind + ": training loss by seed" + LengthText(seeds), "step", "loss", {}};
+  Plot accuracy{kind + ": accuracy on the validation fold by seed", "step", "accuracy", {}};
   for (const auto& [item, training] : seeds) {
     const nlohmann::json& history = Field(*training, "history");
     const std::vector<double> values = NumbersOf(Field(history, "loss"));
@@ -161,7 +162,7 @@ const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
 }
 
 std::string Strip(const std::string& title, const Clip* clip) {
-  return Figure(EscapeHtml(title), clip == nullptr ? "none" : FilmstripSvg(title, *clip->motion));
+  return Figure(EscapeHtml(title), clip == nullptr ? "none" : ToInlineSvg(DrawFilmstrip(title, *clip->motion)));
 }
 
 }  // namespace

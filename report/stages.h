@@ -22,7 +22,7 @@ Expected<StageOutcome> ClipVideoStage(const StageRequest& request);
 /// Sets of motions (role "motions", named after their source; role "body": a skin to draw them with) -> SVG or PNG.
 Expected<StageOutcome> MotionPictureStage(const StageRequest& request);
 
-/// Numbers (the first input, as of PlotsOf) -> SVG of diagrams.
+/// Numbers (the first input, as of SheetOf) -> SVG or PNG of plots.
 Expected<StageOutcome> PlotStage(const StageRequest& request);
 
 /// Sets of motions as for MotionPictureStage -> an H.264 video, all rows side by side (report_video).

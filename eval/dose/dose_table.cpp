@@ -201,6 +201,7 @@ nlohmann::json DoseJson(const DoseTable& table) {
     json["values"].push_back({{"damage", info.name},
                               {"unit", info.unit},
                               {"dose", value.dose},
+                              {"undamaged", value.dose == info.none},
                               {"metric", value.metric},
                               {"value", value.value},
                               {"low", end(0)},

@@ -49,12 +49,8 @@ DoseTable MakeDoseTable(const nlohmann::json& rows, const std::vector<DoseSeries
 std::string DoseMarkdown(const DoseTable& table, const std::string& title);
 /// "damage,unit,dose,metric,value,low,high,ratio,shift,answers", a line a value.
 std::string DoseCsv(const DoseTable& table);
-/// {"real": {METRIC: value}, "values": [the columns of the CSV], "answers_from": {DAMAGE: {METRIC: [doses]}}}.
+/// {"real": {METRIC: value}, "values": [the columns of the CSV, "undamaged"], "answers_from": {DAMAGE: {METRIC:
+/// [doses]}}}.
 nlohmann::json DoseJson(const DoseTable& table);
-
-/// One panel a damage: each metric over the doses, as a multiple of its value on undamaged motions (of real motions,
-/// where that is 0 or the metric is a distance to them; of 0.001 where both are 0), from 1/10 to 1000 on a logarithmic
-/// axis. A document of its own, light and dark.
-std::string DoseSvg(const DoseTable& table, const std::string& title);
 
 }  // namespace mocurate

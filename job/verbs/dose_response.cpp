@@ -11,6 +11,7 @@
 #include "core/store/store.h"
 #include "eval/dose/dose_table.h"
 #include "eval/protocols/draws.h"
+#include "report/charts.h"
 
 namespace mocurate {
 namespace {
@@ -138,12 +139,13 @@ std::string DoseResponseText(const std::vector<DoseSeries>& series, const nlohma
 
 Status WriteDoseResponse(const std::vector<DoseSeries>& series, const nlohmann::json& result, const fs::path& folder) {
   const DoseTable table = MakeDoseTable(result.at("rows"), series);
+  const nlohmann::json json = DoseJson(table);
   if (Status made = MakeFolder(folder / "tables"); !made) return made;
   const std::pair<fs::path, std::string> files[] = {
       {folder / "tables/dose_response.md", DoseMarkdown(table, TitleOf(result))},
       {folder / "tables/dose_response.csv", DoseCsv(table)},
-      {folder / "tables/dose_response.json", DoseJson(table).dump(1) + "\n"},
-      {folder / "dose_response.svg", DoseSvg(table, TitleOf(result))}};
+      {folder / "tables/dose_response.json", json.dump(1) + "\n"},
+      {folder / "dose_response.svg", ToSvg(DoseSheet(json, TitleOf(result)).Draw())}};
   for (const auto& [path, text] : files) {
     if (Status written = WriteFile(path, text); !written) return written;
   }

@@ -160,9 +160,9 @@ Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
   if (!rows) return Forward(rows);
   double rate = 1.0, frames = 1.0, seconds = 0.0;
   for (const MotionRow& row : *rows) {
-    rate = std::min(kMostOfRows, std::max(rate, row.clip.motion->rate.hz()));
-    frames = std::max(frames, static_cast<double>(row.clip.motion->frame_count()));
-    seconds = std::max(seconds, row.clip.motion->duration());
+    rate = std::min(kMostOfRows, std::max(rate, row.clips.front().motion->rate.hz()));
+    frames = std::max(frames, static_cast<double>(row.clips.front().motion->frame_count()));
+    seconds = std::max(seconds, row.clips.front().motion->duration());
   }
   const double pictures_of_all = std::round(seconds * rate);
   if (pictures_of_all > kMostOfRows * frames) {  // slower than a frame a second

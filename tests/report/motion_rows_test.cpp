@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "report/plot.h"
+#include "report/charts.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
 
@@ -90,7 +90,7 @@ TEST(MotionRows, EveryFigureLiesWithinThePicture) {
     options.figure = figure;
     options.title = "title";
     std::vector<MotionRow> rows = Chosen(options);
-    rows[0].clip.segments = {{0.0, 0.7, "walk", "", ""}, {0.7, 1.3, "transition", "", ""}};
+    rows[0].clips[0].segments = {{0.0, 0.7, "walk", "", ""}, {0.7, 1.3, "transition", "", ""}};
     const Drawing drawing = DrawMotionRows(rows, options);
     const Eigen::AlignedBox2d box = Bounds(drawing);
     EXPECT_GE(box.min().x(), 0.0);
@@ -133,24 +133,30 @@ TEST(MotionRowsInABrowser, ThePictureIsRenderedAndFullOfFigures) {
   EXPECT_THAT(ReadFile(place / "dom.html").value_or(""), HasSubstr("ink true edge 0"));
 }
 
-TEST(Plots, CurvesMarksAndIntervalsLieWithinThePicture) {
+TEST(Plots, CurvesMarksAndBandsLieWithinThePicture) {
   const nlohmann::json json = {
+      {"title", "a title of many words, which is as long as the one of a picture that says where its data are from"},
+      {"corner", "profile smoke"},
       {"plots",
        {{{"title", "FID"},
          {"x_name", "step"},
-         {"y_name", ""},
+         {"right_name", "accuracy"},
+         {"solid", {1, 5}},
          {"curves",
           {{{"name", "Ours"},
-            {"points", {{{"x", 1}, {"y", 2.0}, {"low", 1.5}, {"high", 9.0}}, {{"x", 20}, {"y", -3.0}}}}}}}}}}};
-  const auto plots = PlotsOf(json);
-  ASSERT_TRUE(plots);
-  const Drawing drawing = DrawPlots(*plots, 3);
+            {"points", {{{"x", 1}, {"y", 2.0}, {"low", 1.5}, {"high", 9.0}}, {{"x", 20}, {"y", -3.0}}}}},
+           {{"name", "Theirs"}, {"right", true}, {"points", {{{"x", 3}, {"y", 0.5}}}}}}}}}}};
+  const auto sheet = SheetOf(json);
+  ASSERT_TRUE(sheet) << sheet.error().Message();
+  const Drawing drawing = sheet->Draw();
   const Eigen::AlignedBox2d box = Bounds(drawing);
   EXPECT_GE(box.min().minCoeff(), 0.0);
   EXPECT_LE(box.max().x(), drawing.width);
   EXPECT_LE(box.max().y(), drawing.height);
-  EXPECT_THAT(ToSvg(drawing), HasSubstr("Ours"));
-  EXPECT_FALSE(PlotsOf(nlohmann::json{{"plots", {{{"title", 3}}}}}));
+  for (const char* text : {"Ours", "Theirs", "profile smoke", "stroke-dasharray"}) {
+    EXPECT_THAT(ToSvg(drawing), HasSubstr(text));
+  }
+  EXPECT_FALSE(SheetOf(nlohmann::json{{"plots", {{{"title", 3}}}}}));
 }
 
 }  // namespace

@@ -1,0 +1,339 @@
+#include "report/charts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/base/text.h"
+
+namespace mocurate {
+namespace {
+
+// Pixels.
+constexpr double kText = 11.0;
+constexpr double kPlotWidth = 440.0, kPlotHeight = 250.0, kLeft = 52.0, kRight = 14.0, kTop = 36.0, kBottom = 44.0;
+constexpr double kLegendLine = 16.0;
+
+/// Blue, orange, green, purple, ochre, grey, then others that colour-blind people tell apart.
+constexpr Colour kCurveColours[] = {{37, 99, 201},   {194, 87, 26}, {44, 138, 87},  {138, 79, 191}, {176, 137, 0},
+                                    {123, 135, 148}, {190, 60, 70}, {20, 150, 170}, {140, 86, 75},  {90, 96, 104}};
+const Colour& CurveColour(int index) {
+  return kCurveColours[static_cast<std::size_t>(index) % std::size(kCurveColours)];
+}
+
+std::string MarkText(double value) {
+  if (value != 0.0 && std::abs(value) >= 1e4) return FormatDouble(std::round(value / 100.0) / 10.0) + "k";
+  return FormatDouble(std::round(value * 1e6) / 1e6);
+}
+
+/// Names beside samples of their colours, in lines of at most `width`; returns where the last line ends.
+double DrawLegend(const std::vector<std::pair<std::string, Colour>>& names, double left, double top, double width,
+                  Drawing& drawing) {
+  double x = left, y = top;
+  for (const auto& [name, colour] : names) {
+    const double needed = 24.0 + TextWidth(name, kText);
+    if (x > left && x + needed > left + width) x = left, y += kLegendLine;
+    drawing.Box(x, y + 3.0, 14.0, 4.0, colour);
+    drawing.Text(x + 18.0, y + 9.0, name, kText);
+    x += needed + 8.0;
+  }
+  return names.empty() ? top : y + kLegendLine;
+}
+
+struct AxisRange {
+  double low = 1e300, high = -1e300;
+
+  void Add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  /// With 0 where the values come near it, and a margin where `margin`.
+  void Widen(bool margin) {
+    if (!(high >= low)) low = 0.0, high = 1.0;
+    if (margin && low > 0.0 && low < 0.5 * high) low = 0.0;
+    if (high == low) high = low + std::max(1e-6, std::abs(low));
+    const double more = margin ? 0.05 * (high - low) : 0.0;
+    if (low != 0.0) low -= more;
+    high += more;
+  }
+  double Of(double value) const { return (value - low) / (high - low); }
+};
+
+/// Draws one plot with its upper left corner at a place; returns its height.
+class PlotPainter {
+ public:
+  PlotPainter(const Plot& plot, double left, double top, Drawing& drawing)
+      : plot_(plot), left_(left + kLeft), top_(top + kTop), drawing_(drawing) {
+    for (const PlotCurve& curve : plot.curves) {
+      AxisRange& y = curve.right ? right_ : y_;
+      two_sided_ |= curve.right;
+      for (const PlotPoint& point : curve.points) {
+        if (std::isfinite(point.y)) x_.Add(point.x);
+        for (const double value : {point.y, point.low.value_or(point.y), point.high.value_or(point.y)}) y.Add(value);
+      }
+    }
+    if (!plot.x_texts.empty()) x_ = {-0.5, static_cast<double>(plot.x_texts.size()) - 0.5};
+    x_.Widen(false);
+    y_.Widen(true);
+    right_.Widen(true);
+    if (plot.decades) y_ = {(*plot.decades)[0], (*plot.decades)[1]};
+    width_ = kPlotWidth - kLeft - (two_sided_ ? kLeft : kRight);
+  }
+
+  double Draw() {
+    drawing_.Text(left_ - kLeft + 4.0, top_ - 22.0, plot_.title, 12.0, TextAnchor::kStart, kInkColour, true);
+    DrawAxes();
+    std::vector<std::pair<std::string, Colour>> names;
+    for (const bool bands : {true, false}) {
+      for (std::size_t c = 0; c < plot_.curves.size(); ++c) {
+        const PlotCurve& curve = plot_.curves[c];
+        const Colour& colour = CurveColour(curve.colour < 0 ? static_cast<int>(c) : curve.colour);
+        bands ? DrawBand(curve, colour) : DrawCurve(curve, colour);
+        if (bands) names.emplace_back(curve.name, colour);
+      }
+    }
+    const double legend = top_ - kTop + kPlotHeight;
+    return DrawLegend(names, left_, legend, width_ + kRight, drawing_) + 8.0 - (top_ - kTop);
+  }
+
+ private:
+  double Height() const { return kPlotHeight - kTop - kBottom; }
+
+  Vector2d Place(double x, double y, bool right) const {
+    if (plot_.decades) y = std::clamp(y > 0.0 ? std::log10(y) : y_.low, y_.low, y_.high);
+    return {left_ + width_ * x_.Of(x), top_ + Height() * (1.0 - (right ? right_ : y_).Of(y))};
+  }
+
+  void DrawAxes() {
+    const double bottom = top_ + Height(), end = left_ + width_;
+    const auto level = [&](double mark, const AxisRange& y) { return top_ + Height() * (1.0 - y.Of(mark)); };
+    for (const double mark : AxisMarks(y_.low, y_.high, plot_.decades ? 9 : 5)) {
+      if (plot_.decades && mark != std::round(mark)) continue;
+      const double y = level(mark, y_);
+      drawing_.Line({{left_, y}, {end, y}}, plot_.decades && mark == 0.0 ? 1.4 : 0.7, kFaintColour);
+      drawing_.Text(left_ - 6.0, y + 4.0, plot_.decades ? RoundedText(std::pow(10.0, mark), 4) : MarkText(mark), kText,
+                    TextAnchor::kEnd, kQuietColour);
+    }
+    if (two_sided_) {
+      for (const double mark : AxisMarks(right_.low, right_.high, 5)) {
+        drawing_.Text(end + 6.0, level(mark, right_) + 4.0, MarkText(mark), kText, TextAnchor::kStart, kQuietColour);
+      }
+      drawing_.Text(end, top_ - 8.0, plot_.right_name, kText, TextAnchor::kEnd, kQuietColour);
+    }
+    const auto below = [&](double x, const std::string& text) {
+      drawing_.Text(left_ + width_ * x_.Of(x), bottom + 16.0, text, kText, TextAnchor::kMiddle, kQuietColour);
+    };
+    for (std::size_t i = 0; i < plot_.x_texts.size(); ++i) below(static_cast<double>(i), plot_.x_texts[i]);
+    if (plot_.x_texts.empty()) {
+      for (const double mark : AxisMarks(x_.low, x_.high, 7)) below(mark, MarkText(mark));
+    }
+    drawing_.Line({{left_, top_}, {left_, bottom}, {end, bottom}}, 1.0, kQuietColour);
+    drawing_.Text(end, bottom + 33.0, plot_.x_name, kText, TextAnchor::kEnd, kQuietColour);
+    drawing_.Text(left_ - kLeft + 4.0, top_ - 8.0, plot_.y_name, kText, TextAnchor::kStart, kQuietColour);
+  }
+
+  void DrawBand(const PlotCurve& curve, const Colour& colour) {
+    for (std::size_t i = 1; i < curve.points.size(); ++i) {
+      const PlotPoint &a = curve.points[i - 1], &b = curve.points[i];
+      if (!a.low || !a.high || !b.low || !b.high) continue;
+      drawing_.shapes.emplace_back(PolygonShape{{Place(a.x, *a.low, curve.right), Place(a.x, *a.high, curve.right),
+                                                 Place(b.x, *b.high, curve.right), Place(b.x, *b.low, curve.right)},
+                                                Lightened(colour, 0.8)});
+    }
+  }
+
+  void DrawCurve(const PlotCurve& curve, const Colour& colour) {
+    const bool dots = curve.points.size() <= 40;
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      const PlotPoint& point = curve.points[i];
+      if (!std::isfinite(point.y)) continue;
+      const Vector2d at = Place(point.x, point.y, curve.right);
+      if (dots) {
+        drawing_.Dot(at, point.marked ? 7.0 : 3.5, colour,
+                     curve.name + ": " + RoundedText(point.y, 4) + (point.marked ? ", responds" : ""));
+      }
+      if (i == 0 || !std::isfinite(curve.points[i - 1].y)) continue;
+      const double before = curve.points[i - 1].x;
+      const bool seen = !plot_.solid || (before >= (*plot_.solid)[0] && point.x <= (*plot_.solid)[1]);
+      drawing_.Line({Place(before, curve.points[i - 1].y, curve.right), at}, 1.7, colour, !seen);
+    }
+  }
+
+  const Plot& plot_;
+  double left_, top_, width_ = 0.0;
+  bool two_sided_ = false;
+  AxisRange x_, y_, right_;
+  Drawing& drawing_;
+};
+
+std::vector<int> CountBins(const std::vector<double>& values, double high, int bins) {
+  std::vector<int> counts(static_cast<std::size_t>(bins), 0);
+  for (const double value : values) {
+    ++counts[static_cast<std::size_t>(std::clamp(static_cast<int>(value / high * bins), 0, bins - 1))];
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::vector<double> AxisMarks(double low, double high, int most) {
+  std::vector<double> marks;
+  if (!(high > low) || !std::isfinite(high - low)) return marks;
+  double step = std::pow(10.0, std::floor(std::log10((high - low) / most)));
+  for (const double factor : {2.0, 2.5, 2.0, 2.0, 2.5}) {
+    if ((high - low) / step <= most) break;
+    step *= factor;
+  }
+  const long long first = std::llround(std::ceil(low / step - 1e-9));
+  const long long last = std::llround(std::floor(high / step + 1e-9));
+  for (long long i = first; i <= last; ++i) marks.push_back(static_cast<double>(i) * step);
+  return marks;
+}
+
+double Quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double place = share * static_cast<double>(values.size() - 1);
+  const std::size_t below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+Drawing BarChart::Draw() const {
+  constexpr double kBar = 380.0, kStep = 30.0;
+  double most = full, left = 60.0, right = 60.0;
+  for (const Row& row : rows) {
+    double sum = 0.0;
+    for (const BarPart& part : row.parts) sum += part.value;
+    most = std::max(most, sum);
+    left = std::max(left, 16.0 + TextWidth(row.name, 12.0));
+    right = std::max(right, 16.0 + TextWidth(row.value_text, 12.0));
+  }
+  Drawing drawing{left + kBar + right, 0.0, title};
+  double y = 4.0;
+  for (const Row& row : rows) {
+    drawing.Text(left - 10.0, y + 15.0, row.name, 12.0, TextAnchor::kEnd, kQuietColour);
+    double x = left;
+    for (const BarPart& part : row.parts) {
+      if (!(part.value > 0.0)) continue;
+      const double width = std::max(1.5, kBar * part.value / most);
+      drawing.Box(x, y, width, 21.0, part.colour, row.name + ": " + MarkText(part.value) + " " + part.name);
+      x += width;
+    }
+    if (row.interval) {
+      const double low = left + kBar * (*row.interval)[0] / most, high = left + kBar * (*row.interval)[1] / most;
+      drawing.Line({{low, y + 10.5}, {high, y + 10.5}}, 1.5, kInkColour);
+      for (const double end : {low, high}) drawing.Line({{end, y + 6.0}, {end, y + 15.0}}, 1.5, kInkColour);
+      x = std::max(x, high);
+    }
+    drawing.Text((full > 0.0 ? left + kBar : x) + 8.0, y + 15.0, row.value_text, 12.0);
+    y += kStep;
+  }
+  std::vector<std::pair<std::string, Colour>> names;
+  for (const BarPart& part : legend) names.emplace_back(part.name, part.colour);
+  drawing.height = DrawLegend(names, left, y, kBar, drawing) + 2.0;
+  return drawing;
+}
+
+Drawing TwoSidedHistogram::Draw() const {
+  constexpr int kBins = 48;
+  constexpr double kHalf = 52.0, kWidth = 320.0, kEdge = 8.0;
+  const bool one_sided = before.empty() || after.empty();
+  const double high = std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9}), middle = kEdge + kHalf;
+  const double bottom = one_sided ? middle : middle + kHalf, bin_width = (kWidth - 2.0 * kEdge) / kBins;
+  const auto place = [&](double value) { return kEdge + (kWidth - 2.0 * kEdge) * std::min(value / high, 1.0); };
+  Drawing drawing{kWidth, bottom + 36.0, title};
+  for (int side = 0; side < 2; ++side) {
+    const std::vector<double>& values = side == 0 ? before : after;
+    if (values.empty()) continue;
+    const bool upwards = side == 0 || one_sided;
+    const std::vector<int> counts = CountBins(values, high, kBins);
+    const int most = *std::max_element(counts.begin(), counts.end());
+    for (int bin = 0; bin < kBins; ++bin) {
+      const int count = counts[static_cast<std::size_t>(bin)];
+      if (count == 0) continue;
+      const double height = std::max(1.0, (kHalf - 4.0) * count / most);
+      drawing.Box(kEdge + bin * bin_width, upwards ? middle - 1.0 - height : middle + 1.0, bin_width - 0.8, height,
+                  side == 0 ? kBeforeColour : kAfterColour,
+                  Counted(count, "clip") + ", from " + MarkText(std::round(1e3 * high * bin / kBins) / 1e3) + " " +
+                      unit + (bin + 1 == kBins ? " up" : ""));
+    }
+    const double median = place(Quantile(values, 0.5));
+    drawing.Line({{median, upwards ? kEdge : middle + 1.0}, {median, upwards ? middle - 1.0 : bottom}}, 1.5, kInkColour,
+                 true);
+  }
+  drawing.Line({{kEdge, middle}, {kWidth - kEdge, middle}}, 1.0, kQuietColour);
+  for (const double mark : AxisMarks(0.0, high, 4)) {
+    drawing.Text(place(mark), bottom + 14.0, MarkText(mark), kText,
+                 mark == 0.0 ? TextAnchor::kStart : TextAnchor::kMiddle, kQuietColour);
+  }
+  drawing.Text(kWidth - kEdge, bottom + 30.0, unit, kText, TextAnchor::kEnd, kQuietColour);
+  return drawing;
+}
+
+Drawing Plot::Draw() const {
+  Plot untitled = *this;
+  untitled.title.clear();
+  Drawing drawing{kPlotWidth, 0.0, title};
+  drawing.height = PlotPainter(untitled, 0.0, -16.0, drawing).Draw() - 16.0;
+  return drawing;
+}
+
+Drawing PlotSheet::Draw() const {
+  const auto across = static_cast<std::size_t>(std::clamp(static_cast<int>(plots.size()), 1, std::max(1, columns)));
+  Drawing drawing{kPlotWidth * static_cast<double>(across), 0.0, title};
+  double top = 6.0;
+  for (const std::string& line : Wrapped(title, drawing.width - 16.0, 14.0)) {
+    drawing.Text(8.0, top += 16.0, line, 14.0, TextAnchor::kStart, kInkColour, true);
+  }
+  for (std::size_t first = 0; first < plots.size(); first += across) {
+    double height = 0.0;
+    for (std::size_t i = first; i < std::min(plots.size(), first + across); ++i) {
+      height = std::max(height,
+                        PlotPainter(plots[i], kPlotWidth * static_cast<double>(i - first), top + 4.0, drawing).Draw());
+    }
+    top += height + 4.0;
+  }
+  for (const std::string* text : {&note, &corner}) {
+    for (const std::string& line : Wrapped(*text, drawing.width - 16.0, kText)) {
+      const bool right = text == &corner;
+      drawing.Text(right ? drawing.width - 8.0 : 8.0, top += 14.0, line, kText,
+                   right ? TextAnchor::kEnd : TextAnchor::kStart, kQuietColour);
+    }
+  }
+  drawing.height = top + 8.0;
+  return drawing;
+}
+
+Expected<PlotSheet> SheetOf(const nlohmann::json& json) {
+  PlotSheet sheet;
+  try {
+    const auto pair = [](const nlohmann::json& from, const char* key) {
+      return from.contains(key) ? std::optional(from[key].get<std::array<double, 2>>()) : std::nullopt;
+    };
+    sheet = {json.value("title", ""), json.value("note", ""), json.value("corner", ""), {}, json.value("columns", 3)};
+    for (const nlohmann::json& one : json.at("plots")) {
+      Plot plot{one.at("title"), one.value("x_name", ""), one.value("y_name", ""), {}, one.value("right_name", "")};
+      plot.solid = pair(one, "solid");
+      plot.decades = pair(one, "decades");
+      plot.x_texts = one.value("x_texts", std::vector<std::string>());
+      for (const nlohmann::json& curve : one.at("curves")) {
+        PlotCurve own{curve.at("name"), {}, -1, curve.value("right", false)};
+        for (const nlohmann::json& point : curve.at("points")) {
+          PlotPoint at{point.at("x"), point.at("y"), {}, {}, point.value("marked", false)};
+          if (point.contains("low")) at.low = point["low"].get<double>();
+          if (point.contains("high")) at.high = point["high"].get<double>();
+          own.points.push_back(at);
+        }
+        plot.curves.push_back(std::move(own));
+      }
+      sheet.plots.push_back(std::move(plot));
+    }
+  } catch (const nlohmann::json::exception& problem) {
+    return Fail(ErrorCode::kMalformed, std::string("not plots: ") + problem.what(), "plots");
+  }
+  return sheet;
+}
+
+}  // namespace mocurate
