@@ -92,6 +92,7 @@ void AddGenerate(const CommandLine& line) {
                        "dataset whose motions the scripts continue, instead of a generated first action");
   generate->add_option("--previous-clip", arguments->previous_clip,
                        "id of the motion to continue (default: drawn by --seed)");
+  generate->add_flag("--keep-previous", arguments->keep_previous, "begin each motion with the one that it continues");
   generate->add_option("--fill", arguments->fill,
                        "checkpoint of an ssmct for transitions between an actor's motions (default: linear)");
   generate->add_flag("--align", arguments->align,
@@ -106,6 +107,7 @@ void AddGenerate(const CommandLine& line) {
                        "scale bone lengths, rotations unchanged: legs=1.25,arms=1.25 or all=0.8");
   generate->add_option("--bone-lengths", arguments->bone_lengths,
                        "dataset or MotionSet whose mean bone lengths the motions get");
+  generate->add_option("--person", arguments->person, "person of --bone-lengths whose bones alone count");
   generate->add_option("--mesh", arguments->mesh,
                        "also write meshes to this folder: an .npz of vertices and faces for each motion and body");
   generate->add_option("--shapes", arguments->shapes, "number of bodies per motion: the mean one, then random ones")

@@ -59,19 +59,53 @@ void DataSetOptions::Declare(OptionVisitor& v) {
          "evaluate options are applied first");
 }
 
+void DrawnSkeletonOptions::Declare(OptionVisitor& v) {
+  v.Text("name", name, "name of the rows on the skeleton");
+  v.Text("person", person, "person of the set whose mean bone lengths it has");
+  v.Text("scale", scale, "scaled bones: legs=1.25,arms=1.25 or all=1.25");
+}
+
 void DrawnMotionsOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the files below pictures/");
   v.Text("set", set, "set of `data` whose networks and dataset are drawn; empty: the first");
   v.Texts("rows", rows, "rows to draw: networks, rows of evaluate.rows, or Real (clips of the dataset)");
   v.Texts("labels", labels, "classes to draw; empty: all");
-  v.Texts("scripts", scripts, "for networks that generate chains of actions: scripts instead of labels");
+  v.Texts("scripts", scripts,
+          "for networks that generate chains of actions: scripts instead of labels; a network of single actions makes "
+          "each action by itself");
+  v.Texts("themes", themes, "theme of each script");
   v.Integer("transition_frames", transition_frames, {0, 1000},
             "frames of each transition of scripts; 0: the network's usual number");
   v.Integer("samples", samples, {1, 100}, "number of motions of each row and label");
-  v.Text("frames", frames, "frames of each motion: 60, or FIRST:LAST:STEP; empty: as in training");
-  v.Integer("interpolate", interpolate, {0, 100}, "number of motions between two latents, instead of samples; 0: none");
-  v.Bool("denoise", denoise, "draw the clips of the dataset encoded and decoded by the networks");
   v.Integer("stills", stills, {1, 60}, "number of equally spaced frames of a row");
+  v.Bool("over_training", over_training, "draw each network after every step of its samples_at, in its own column");
+  v.List("skeletons", skeletons, "skeletons on each of which each motion is drawn; empty: the network's own");
+  v.Bool("continues", continues, "scripts continue motions of the set, which the rows begin with");
+  v.Bool("path", path, "draw the root's path beside each row");
+  v.Bool("world", world, "rows in one view, over the floor of their first frame");
+  v.Bool("canonicalisation", canonicalisation,
+         "without networks: a motion of the set that ends bent down, as in its source, facing the front, and with its "
+         "root's rotation undone");
+  v.TextMap("words", words, "class -> the paper's word for it");
+  v.TextMap("colours", colours, "row -> red, green or blue");
+  v.TextMap("absent", absent, "row that the paper has and this project does not -> why");
+}
+
+void PaperPlotOptions::Declare(OptionVisitor& v) {
+  v.Text("title", title, "title of the plot");
+  v.Text("metric", metric, "SET.METRIC, or METRIC of all sets");
+  v.Text("right", right, "a second metric, on the axis on the right");
+  v.TextMap("curves", curves, "row -> name of its curve; empty: all rows by their names");
+  v.Numbers("solid", solid, Unit::kNone, {0.0, 1e9}, "least and largest number of the training; dashed beyond");
+}
+
+void PaperSurveyOptions::Declare(OptionVisitor& v) {
+  v.Text("kind", kind, "kind of `mocurate survey make`: ranking, real_or_fake");
+  v.Texts("rows", rows, "sources: networks, or Real (clips of the dataset)");
+  v.Texts("labels", labels, "classes that are asked about; empty: all");
+  v.Integer("samples", samples, {1, 1000}, "motions of each row and label");
+  v.Integer("questions", questions, {0, 1000}, "number of questions; 0: the usual number");
+  v.Text("skeleton", skeleton, "skeleton that the motions are fitted to, for skinned bodies; empty: none");
 }
 
 void ReleasedMotionsOptions::Declare(OptionVisitor& v) {
@@ -101,10 +135,11 @@ void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Number("paper_hours", paper_hours, Unit::kNone, {0.0, {}}, "hours of profile paper on two cores; 0: not measured");
   v.TextMap("published_as", published_as, "row -> method of the published table that it is compared with; '': none");
   v.Text("curve", curve, "name of the variable N, where rows called 'NAME N' are points of a curve");
-  v.Texts("plotted", plotted, "metrics of the curves, SET.METRIC; empty: all");
+  v.List("plots", plots, "plots of the curves");
   v.List("released", released, "motions published by the authors, scored with their recogniser");
   v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
-  v.Texts("surveys", surveys, "surveys about the motions of the first picture: preference, real_or_fake");
+  v.List("surveys", surveys, "studies: pages of questions about motions");
+  v.Bool("screens", screens, "pictures of the pages of the studies, by Chromium");
 }
 
 void JobOptions::Declare(OptionVisitor& v) {

@@ -44,19 +44,58 @@ struct DataSetOptions {
 /// drawing of the method, which has no numbers.
 enum class PaperItem { kNone, kTable, kFigure, kStudy, kDiagram };
 
+/// A skeleton of a picture: the bones of a person of the set, scaled.
+struct DrawnSkeletonOptions {
+  std::string name;
+  std::string person;  ///< of the set
+  std::string scale;   ///< as `generate --scale`; or empty
+
+  void Declare(OptionVisitor& v);
+};
+
 /// A picture of motions in rows of equally spaced frames, made after a run: `samples` motions of each row and label.
 struct DrawnMotionsOptions {
   std::string name;                    ///< of its files
   std::string set;                     ///< of the job's `data`; empty: the first
   std::vector<std::string> rows;       ///< networks, rows of `evaluate.rows`, or Real: the dataset
   std::vector<std::string> labels;     ///< classes; empty: all
-  std::vector<std::string> scripts;    ///< instead of labels, for networks that answer them
+  std::vector<std::string> scripts;    ///< instead of labels; a network of single actions makes each by itself
+  std::vector<std::string> themes;     ///< of the scripts, in order
   std::int64_t transition_frames = 0;  ///< of each transition of scripts; 0: the network's usual number
   std::int64_t samples = 1;            ///< of each row and label
-  std::string frames;                  ///< of each motion, as `generate --frames`
-  std::int64_t interpolate = 0;        ///< number of motions between two latents
-  bool denoise = false;                ///< draw clips of the dataset, encoded and decoded by the networks
   std::int64_t stills = 10;            ///< frames of a row
+  bool over_training = false;          ///< each network after every step of its `samples_at`, in a column of its own
+  std::vector<DrawnSkeletonOptions> skeletons;  ///< each motion on each of these; empty: the network's own
+  bool continues = false;                       ///< scripts continue motions of the set, which the rows begin with
+  bool path = false;                            ///< the root's path beside each row
+  bool world = false;                           ///< rows in one view, over the floor of their first frame
+  bool canonicalisation = false;                ///< no networks: frames in which a motion of the set is placed
+  std::map<std::string, std::string> words;     ///< class -> the paper's word for it
+  std::map<std::string, std::string> colours;   ///< row -> red, green or blue
+  std::map<std::string, std::string> absent;    ///< row that the paper has and this project does not -> why
+
+  void Declare(OptionVisitor& v);
+};
+
+/// Curves of an item: metrics of rows "NAME, step 4" or "NAME, 40 frames" over that number, or of sets "uestc_50".
+struct PaperPlotOptions {
+  std::string title;
+  std::string metric;                         ///< SET.METRIC; without a set: of all sets
+  std::string right;                          ///< a second metric, on the right axis; or empty
+  std::map<std::string, std::string> curves;  ///< row -> name of its curve; empty: all rows, by their names
+  std::vector<double> solid;                  ///< least and largest number of the training; dashed beyond; or empty
+
+  void Declare(OptionVisitor& v);
+};
+
+/// A study of an item: motions of its rows on a page of questions.
+struct PaperSurveyOptions {
+  std::string kind;                 ///< of `mocurate survey make`
+  std::vector<std::string> rows;    ///< as of DrawnMotionsOptions
+  std::vector<std::string> labels;  ///< classes; empty: all
+  std::int64_t samples = 1;         ///< motions of each row and label
+  std::int64_t questions = 0;       ///< 0: the usual number
+  std::string skeleton;             ///< that the motions are fitted to, for skinned bodies; empty: as they are
 
   void Declare(OptionVisitor& v);
 };
@@ -83,11 +122,12 @@ struct ReproduceOptions {
   std::string parts_of;    ///< network whose parameter counts by part are the table's rows; or empty
   double smoke_hours = 0.0, small_hours = 0.0, paper_hours = 0.0;  ///< on two cores; 0: not measured
   std::map<std::string, std::string> published_as;                 ///< row -> method of the published table; "": none
-  std::string curve;                 ///< rows "NAME N" are points of a curve over N, which has this name; or empty
-  std::vector<std::string> plotted;  ///< "SET.METRIC" of the curves; empty: all
+  std::string curve;  ///< rows "NAME N" are points of a curve over N, which has this name; or empty
+  std::vector<PaperPlotOptions> plots;
   std::vector<ReleasedMotionsOptions> released;
   std::vector<DrawnMotionsOptions> pictures;
-  std::vector<std::string> surveys;  ///< kinds of `mocurate survey make`, about the motions of the first picture
+  std::vector<PaperSurveyOptions> surveys;
+  bool screens = false;  ///< pictures of the surveys' pages
 
   void Declare(OptionVisitor& v);
 };

@@ -66,6 +66,8 @@ std::vector<ScoredSet> ScriptRows(const TrainedNetwork& network, const std::vect
     const std::string base = row.name;
     for (row.step = 1; whole && row.step <= asked.steps; ++row.step) {
       if (asked.steps > 1) row.name = base + ", step " + std::to_string(row.step);
+      const bool first = asked.script == ScriptDraw::kChain && row.step == 1;  // which no transition precedes
+      if (first && options.evaluate.part == ClipPart::kTransition) continue;
       rows.push_back(row);
     }
   }

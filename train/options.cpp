@@ -353,6 +353,7 @@ void RemakeOptions::Declare(OptionVisitor& v) {
 void LongMotionOptions::Declare(OptionVisitor& v) {
   v.Bool("snap", snap, "begin a continuation at the last frame's position and heading, as released");
   v.Bool("align", align, "rotate and move joined motions to the end of the one before");
+  v.Bool("keep_previous", keep_previous, "begin the answer with the motion that it continues");
 }
 
 void NetworkOptions::Declare(OptionVisitor& v) {

@@ -281,8 +281,9 @@ struct RemakeOptions {
 
 /// Options of the stage `generate` where its requests are scripts.
 struct LongMotionOptions {
-  bool snap = false;   ///< a continuation begins at the last frame's position and heading
-  bool align = false;  ///< rotate and move joined motions to the end of the one before
+  bool snap = false;           ///< a continuation begins at the last frame's position and heading
+  bool align = false;          ///< rotate and move joined motions to the end of the one before
+  bool keep_previous = false;  ///< the answer begins with the motion that it continues
   void Declare(OptionVisitor& v);
 };
 

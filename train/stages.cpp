@@ -131,6 +131,7 @@ Status OpenPartners(const StageRequest& request, LongMotionNetworks& networks) {
     if (!options) return Forward(options);
     networks.align = options->align;
     networks.snap = options->snap;
+    networks.keep_previous = options->keep_previous;
   }
   for (const auto& [role, network] : {std::pair("first", &networks.first), std::pair("fill", &networks.fill)}) {
     const StageInput* file = FindInput(request, role);

@@ -194,7 +194,7 @@ class FeaturesRun {
       for (std::size_t i = 0; i < motions->size(); ++i) {
         const MotionRequest& request = requests[i];
         const bool scripted = options_.script != ScriptDraw::kNone;
-        const auto step = static_cast<int>(options_.step);
+        const int step = static_cast<int>(options_.step) - (options_.script == ScriptDraw::kChain ? 1 : 0);
         if (scripted && (*motions)[i].frame_count() != request.answered_frames()) {
           return Fail(ErrorCode::kInconsistent,
                       Counted((*motions)[i].frame_count(), "frame") + " answer a request of " +
@@ -203,7 +203,8 @@ class FeaturesRun {
         }
         if (scripted) (*motions)[i] = StepOfAnswer((*motions)[i], request, step, options_.clip_part);
         if (options_.filter.on()) (*motions)[i] = OneEuroFiltered((*motions)[i], options_.filter);
-        const int label = scripted ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
+        const int label =
+            scripted && step > 0 ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
         pass.motions.push_back(&(*motions)[i]);
         pass.labels.push_back(class_of[static_cast<std::size_t>(label)]);
         pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));

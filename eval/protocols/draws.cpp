@@ -220,8 +220,9 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
     if (chain) {
       request.label = DrawOf(sequences->classes, random);
       request.frames = sequences->usual[static_cast<std::size_t>(request.label)][1];
-      request.script = DrawChain(*sequences, request.label, static_cast<int>(options.steps), random);
-      request.script.resize(static_cast<std::size_t>(options.step));  // steps after the scored one are not requested
+      request.script = DrawChain(*sequences, request.label, static_cast<int>(options.steps) - 1, random);
+      request.script.resize(static_cast<std::size_t>(options.step) -
+                            1);  // steps after the scored one are not requested
       requests.push_back(std::move(request));
       continue;
     }
@@ -248,6 +249,10 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
 }
 
 Motion StepOfAnswer(const Motion& answer, const MotionRequest& request, int step, ClipPart part) {
+  Clip clip;
+  clip.motion = answer;
+  clip.rate = answer.rate;
+  if (step == 0) return *std::move(Cut(clip, 0, request.frames)->motion);
   int begin = request.previous ? 0 : request.frames;
   for (int k = 0; k + 1 < step; ++k) {
     const ScriptStep& done = request.script[static_cast<std::size_t>(k)];
@@ -256,9 +261,6 @@ Motion StepOfAnswer(const Motion& answer, const MotionRequest& request, int step
   const ScriptStep& wanted = request.script[static_cast<std::size_t>(step - 1)];
   const Motion& before = begin > 0 ? answer : *request.previous->motion;
   const int anchor = begin > 0 ? begin - 1 : before.frame_count() - 1;
-  Clip clip;
-  clip.motion = answer;
-  clip.rate = answer.rate;
   const int action = begin + wanted.transition_frames;
   Clip cut = part == ClipPart::kTransition ? *Cut(clip, begin, action) : *Cut(clip, action, action + wanted.frames);
   Transform(FacingFront(before, anchor), cut);

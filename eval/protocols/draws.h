@@ -34,16 +34,15 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
 /// Requests of a repetition for networks that generate scripts, from samples of two actions (multiact.md A.5).
 /// kAfterSample: transition and action of each drawn sample, after its own previous motion. kAfterGenerated: after a
 /// generated motion of its previous label and length, where that label is a class, else of one that precedes the action
-/// in some sample. kChain: as many chains as samples are drawn. The first action is uniform over the classes of the
-/// samples, each further one uniform over the actions that follow it in some sample (else over all). Lengths are the
-/// truncated means of the label over all clips. `rows`: the samples. Error kInconsistent for a clip that is not a
-/// sample.
-/// of the label over all clips. `rows`: the samples. Error kInconsistent for a clip that is no sample.
+/// in some sample. kChain: as many chains as samples are drawn, of `steps` actions. The first one is uniform over the
+/// classes of the samples, each further one uniform over the actions that follow it in some sample (else over all).
+/// Lengths are the truncated means of the label over all clips. `rows`: the samples. Error kInconsistent for a clip
+/// that is not a sample.
 Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const std::vector<int>& rows,
                                                  const FeaturesOptions& options, int repetition);
 
 /// A step of a generated script, from 1: its transition or its action, in the canonical frame of the last frame before
-/// it (multiact.md B.1).
+/// it (multiact.md B.1). 0: the generated action before the script, as it is.
 Motion StepOfAnswer(const Motion& answer, const MotionRequest& request, int step, ClipPart part);
 
 }  // namespace mocurate

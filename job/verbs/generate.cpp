@@ -51,7 +51,8 @@ Expected<std::vector<int>> LabelsOf(const std::vector<std::string>& wanted, cons
 }
 
 /// Mean length of each bone along the chains, over the frames of all motions of a dataset: (J), 0 for the root.
-Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& skeleton) {
+/// `person`: of this one alone; empty: of all.
+Expected<std::vector<double>> LengthsOf(const fs::path& path, const std::string& person, const Skeleton& skeleton) {
   const Expected<Dataset> set = ReadDataset(path);
   if (!set) return Forward(set);
   if (!SameTree(*set->skeleton, skeleton)) {
@@ -62,8 +63,10 @@ Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& sk
   std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
   const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
   double frames = 0.0;
+  std::vector<std::string> persons;
   for (const Clip& clip : set->clips) {
-    if (!clip.motion) continue;
+    persons.push_back(clip.identity.person);
+    if (!clip.motion || (!person.empty() && clip.identity.person != person)) continue;
     for (int f = 0; f < clip.motion->frame_count(); ++f, ++frames) {
       for (int j = 1; j < skeleton.joint_count(); ++j) {
         const auto at = static_cast<std::size_t>(j);
@@ -71,6 +74,10 @@ Expected<std::vector<double>> LengthsOf(const fs::path& path, const Skeleton& sk
         lengths[at] += (clip.motion->joints.at(f, j) - clip.motion->joints.at(f, parent)).norm();
       }
     }
+  }
+  if (frames == 0.0 && !person.empty()) {
+    return Fail(ErrorCode::kNotFound, "the dataset has no motion of person '" + person + "'", DisplayPath(path),
+                DidYouMean(person, persons, "`mocurate inspect FILE` lists the persons"));
   }
   if (frames == 0.0) {
     return Fail(ErrorCode::kInconsistent, "the dataset has no motion", DisplayPath(path),
@@ -146,7 +153,7 @@ Expected<std::vector<double>> BoneLengthsOf(const GenerateArguments& arguments, 
                 DisplayPath(arguments.checkpoint), "use the file as written by `mocurate`");
   }
   if (!arguments.bone_lengths.empty()) {
-    auto given = LengthsOf(arguments.bone_lengths, *checkpoint.skeleton);
+    auto given = LengthsOf(arguments.bone_lengths, arguments.person, *checkpoint.skeleton);
     if (!given) return Forward(given);
     lengths = std::move(*given);
   }
@@ -228,6 +235,10 @@ Expected<std::vector<MotionRequest>> RequestsOf(const GenerateArguments& argumen
 /// Requests of scripts, and further inputs of the item.
 Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arguments, const Checkpoint& checkpoint,
                                                     const NetworkOptions& options, ItemSpec& item) {
+  if (arguments.keep_previous && arguments.previous.empty()) {
+    return Fail(ErrorCode::kUsage, "--keep-previous is given without motions to continue", "--keep-previous",
+                "add --previous SET.h5");
+  }
   const bool others =
       !arguments.labels.empty() || arguments.interpolate > 0 || !arguments.frames.empty() || !arguments.mesh.empty();
   if (others) {
@@ -307,7 +318,7 @@ Expected<std::vector<MotionRequest>> ScriptRequests(const GenerateArguments& arg
       requests.push_back(std::move(request));
     }
   }
-  item.options = OptionsToJson(LongMotionOptions{arguments.snap, arguments.align});
+  item.options = OptionsToJson(LongMotionOptions{arguments.snap, arguments.align, arguments.keep_previous});
   return requests;
 }
 
@@ -332,9 +343,12 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
   if (!checkpoint) return Forward(checkpoint);
   const auto options = OptionsFromJson<NetworkOptions>(checkpoint->options, DisplayPath(arguments.checkpoint));
   if (!options) return Forward(options);
-  const bool of_scripts = !arguments.first.empty() || !arguments.fill.empty() || !arguments.previous.empty() ||
-                          !arguments.previous_clip.empty() || arguments.align || arguments.snap ||
-                          arguments.count != 1 || arguments.transition_frames != 0;
+  if (!arguments.person.empty() && arguments.bone_lengths.empty()) {
+    return Fail(ErrorCode::kUsage, "--person is given without --bone-lengths", "--person", "add --bone-lengths SET.h5");
+  }
+  const bool of_scripts = arguments.keep_previous || !arguments.first.empty() || !arguments.fill.empty() ||
+                          !arguments.previous.empty() || !arguments.previous_clip.empty() || arguments.align ||
+                          arguments.snap || arguments.count != 1 || arguments.transition_frames != 0;
   if (arguments.scripts.empty() && of_scripts) {
     return Fail(
         ErrorCode::kUsage,

@@ -1,5 +1,3 @@
-#include "job/verbs/reproduce.h"
-
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -9,8 +7,11 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "core/store/store.h"
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"
+#include "job/verbs/page_screen.h"
+#include "job/verbs/reproduce.h"
 #include "report/options.h"
 #include "report/stages.h"
 #include "train/items.h"
@@ -28,6 +29,13 @@ struct DrawnRow {
   fs::path checkpoint, first, fill;
   bool align = false;
   bool real = false;
+  bool single = false;  ///< makes each action of a script by itself
+};
+
+/// A set of motions and what the picture calls it.
+struct DrawnSet {
+  std::string name;
+  fs::path file;
 };
 
 class PictureMaker {
@@ -38,14 +46,17 @@ class PictureMaker {
   }
 
   Expected<PaperPictures> Make() {
+    auto stages = VerbStages::Make(own_);
+    if (!stages) return Forward(stages);
+    stages_ = std::move(*stages);
     for (const DrawnMotionsOptions& picture : options_.reproduce.pictures) {
-      if (Status drawn = Draw(picture); !drawn) return Forward(drawn);
+      if (Status drawn = Finished("picture '" + picture.name + "'", Draw(picture)); !drawn) return Forward(drawn);
     }
-    if (!options_.reproduce.curve.empty()) {
+    if (!options_.reproduce.plots.empty()) {
       if (Status drawn = DrawCurves(); !drawn) return Forward(drawn);
     }
-    for (const std::string& kind : options_.reproduce.surveys) {
-      if (Status made = MakeSurvey(kind); !made) return Forward(made);
+    for (const PaperSurveyOptions& survey : options_.reproduce.surveys) {
+      if (Status made = Finished("survey '" + survey.kind + "'", MakeSurvey(survey)); !made) return Forward(made);
     }
     return std::move(made_);
   }
@@ -61,10 +72,33 @@ class PictureMaker {
     made_.lost.push_back(what);
   }
 
-  const DataSetOptions& SetOf(const DrawnMotionsOptions& picture) const {
+  /// The error of a part, if it ends everything; else the part is lost.
+  Status Finished(const std::string& what, const Status& made) {
+    if (made || Ends(made.error())) return made;
+    Lose(what, made.error().Message());
+    return {};
+  }
+
+  const DataSetOptions& SetOf(const std::string& name) const {
     const auto found = std::find_if(options_.data.begin(), options_.data.end(),
-                                    [&](const DataSetOptions& set) { return set.name == picture.set; });
+                                    [&](const DataSetOptions& set) { return set.name == name; });
     return found == options_.data.end() ? options_.data.front() : *found;
+  }
+
+  /// Folder of a set, if it is done.
+  Expected<fs::path> FolderOf(const DataSetOptions& set) const {
+    if (run_.sets.done.count(set.name) > 0) return run_.folder / "data" / set.name;
+    return Fail(ErrorCode::kTooManyFailures, "set " + set.name + " failed", set.name);
+  }
+
+  /// Origin of what a picture of these sets shows.
+  std::string CornerOf(const std::vector<const DataSetOptions*>& sets) const {
+    std::string text = "profile " + options_.profile;
+    for (const DataSetOptions* set : sets) {
+      if (!set->like.empty()) continue;
+      text += "; " + set->name + (set->path.empty() ? ": stand-in by the studio" : ": your copy");
+    }
+    return text;
   }
 
   /// Whether an output is of an earlier run.
@@ -72,179 +106,197 @@ class PictureMaker {
     return IsStale(run_.stale, DisplayPath(file.lexically_relative(run_.folder)));
   }
 
-  /// Empty where it was not trained.
-  fs::path CheckpointOf(const std::string& network, const fs::path& folder) const {
-    for (const NetworkOptions& one : options_.train.networks) {
-      if (one.name != network) continue;
-      const fs::path file = folder / "checkpoints" / (FileNameOf(one.name + "/" + std::to_string(one.seed())) + ".h5");
-      std::error_code unknown;
-      const bool trained = fs::is_regular_file(file, unknown) && !Earlier(file);
-      return trained ? file : fs::path();
+  const NetworkOptions* NetworkNamed(const std::string& name) const {
+    for (const NetworkOptions& network : options_.train.networks) {
+      if (network.name == name) return &network;
     }
-    return {};
+    return nullptr;
+  }
+
+  /// Of a network after `step` steps, 0: at its end. Empty where it was not trained.
+  fs::path CheckpointOf(const std::string& network, const fs::path& folder, std::int64_t step = 0) const {
+    const NetworkOptions* one = NetworkNamed(network);
+    if (one == nullptr) return {};
+    const std::string end = step > 0 ? "@" + std::to_string(step) : "";
+    const fs::path file =
+        folder / "checkpoints" / (FileNameOf(one->name + "/" + std::to_string(one->seed()) + end) + ".h5");
+    std::error_code unknown;
+    return fs::is_regular_file(file, unknown) && !Earlier(file) ? file : fs::path();
   }
 
   std::optional<DrawnRow> RowOf(const std::string& name, const fs::path& folder) const {
-    if (name == kRealRow) return DrawnRow{name, {}, {}, {}, false, true};
-    DrawnRow row{name, CheckpointOf(name, folder), {}, {}, false, false};
+    DrawnRow row;
+    row.name = name;
+    row.real = name == kRealRow;
+    row.checkpoint = CheckpointOf(name, folder);
+    row.single = !row.real;
     for (const ScriptRowOptions& asked : options_.evaluate.rows) {
       if (asked.name != name) continue;
-      row.checkpoint = CheckpointOf(asked.network, folder);
+      row = {name, CheckpointOf(asked.network, folder), {}, {}, asked.align, false, false};
       if (!asked.first.empty()) row.first = CheckpointOf(asked.first, folder);
       if (!asked.fill.empty()) row.fill = CheckpointOf(asked.fill, folder);
-      row.align = asked.align;
       if ((!asked.first.empty() && row.first.empty()) || (!asked.fill.empty() && row.fill.empty())) row.checkpoint = "";
     }
-    if (row.checkpoint.empty()) return std::nullopt;
+    if (row.checkpoint.empty() && !row.real) return std::nullopt;
     return row;
   }
 
-  /// The motions of a row as a file.
+  /// The file for generated motions of a row.
+  Expected<fs::path> NewFile(const std::string& picture, const std::string& row) const {
+    const fs::path file = run_.folder / "motions" / (FileNameOf(picture + "_" + row) + ".h5");
+    if (Status made = MakeFolder(file.parent_path()); !made) return Forward(made);
+    return file;
+  }
+
+  /// Motions of labels by a network, `samples` of each.
+  Expected<fs::path> Generated(const std::string& picture, const std::string& name, GenerateArguments asked,
+                               const std::vector<std::string>& labels, std::int64_t samples) {
+    const auto file = NewFile(picture, name);
+    if (!file) return Forward(file);
+    asked.output = *file;
+    asked.force = true;
+    for (const std::string& label : labels) asked.labels.push_back(label + ":" + std::to_string(samples));
+    if (Status generated = GenerateVerb(own_, asked); !generated) return Forward(generated);
+    return *file;
+  }
+
+  /// The motions of a row.
   Expected<fs::path> MotionsOf(const DrawnMotionsOptions& picture, const DrawnRow& row, const fs::path& folder) {
     const fs::path dataset = folder / "dataset.h5";
     if (row.real) return dataset;
     GenerateArguments asked;
     asked.checkpoint = row.checkpoint;
-    asked.output = run_.folder / "motions" / (FileNameOf(picture.name + "_" + row.name) + ".h5");
-    asked.force = true;
-    asked.scripts = picture.scripts;
-    if (!picture.scripts.empty()) asked.transition_frames = static_cast<int>(picture.transition_frames);
-    asked.first = picture.scripts.empty() ? fs::path() : row.first;
-    asked.fill = picture.scripts.empty() ? fs::path() : row.fill;
-    asked.align = !picture.scripts.empty() && row.align;
-    if (!picture.scripts.empty()) asked.count = static_cast<int>(picture.samples);
-    if (!picture.scripts.empty() && row.first.empty() && Continues(row.checkpoint)) asked.previous = dataset;
-    if (picture.denoise) {
-      asked.denoise = dataset;
-    } else if (picture.scripts.empty()) {
-      asked.frames = picture.frames;
-      asked.interpolate = static_cast<int>(picture.interpolate);
-      for (const std::string& label : picture.labels) {
-        asked.labels.push_back(label + ":" + std::to_string(picture.interpolate > 0 ? 1 : picture.samples));
+    if (picture.scripts.empty()) return Generated(picture.name, row.name, asked, picture.labels, picture.samples);
+    if (row.single) {
+      std::vector<std::string> actions;
+      for (const std::string& text : picture.scripts) {
+        const auto script = ReadScript(text);
+        if (!script) return Forward(script);
+        for (const ScriptActionOptions& action : script->actions) actions.push_back(action.action);
       }
+      return Generated(picture.name, row.name, asked, actions, 1);
     }
-    if (Status made = MakeFolder(asked.output.parent_path()); !made) return Forward(made);
-    if (Status generated = GenerateVerb(own_, asked); !generated) return Forward(generated);
-    return asked.output;
+    asked.scripts = picture.scripts;
+    asked.transition_frames = static_cast<int>(picture.transition_frames);
+    asked.count = static_cast<int>(picture.samples);
+    asked.first = picture.continues ? fs::path() : row.first;
+    asked.fill = row.fill;
+    asked.align = row.align;
+    asked.keep_previous = picture.continues;
+    if (picture.continues) asked.previous = dataset;
+    return Generated(picture.name, row.name, asked, {}, 0);
   }
 
-  /// Whether a network only continues motions.
-  bool Continues(const fs::path& checkpoint) const {
-    const std::string name = checkpoint.stem().string();
-    return std::any_of(options_.train.networks.begin(), options_.train.networks.end(), [&](const NetworkOptions& one) {
-      return one.kind == NetworkKind::kMacvae && FileNameOf(one.name + "/" + std::to_string(one.seed())) == name;
-    });
+  /// The sets of a row: one, or one for each step of training or each skeleton. `shown` receives columns.
+  Expected<std::vector<DrawnSet>> SetsOf(const DrawnMotionsOptions& picture, const DrawnRow& row,
+                                         const fs::path& folder, MotionPictureOptions& shown) {
+    std::vector<DrawnSet> sets;
+    GenerateArguments asked;
+    asked.checkpoint = row.checkpoint;
+    if (const NetworkOptions* network = NetworkNamed(row.name); picture.over_training && network != nullptr) {
+      std::vector<std::int64_t> steps;
+      for (const double step : network->learning.samples_at) steps.push_back(static_cast<std::int64_t>(step));
+      steps.push_back(0);
+      for (const std::int64_t step : steps) {
+        asked.checkpoint = CheckpointOf(row.name, folder, step);
+        if (asked.checkpoint.empty()) continue;  // not reached in this profile
+        const auto checkpoint = ReadCheckpoint(asked.checkpoint);
+        if (!checkpoint) return Forward(checkpoint);
+        const std::string name = row.name + ", " + Counted(checkpoint->step, "iteration");
+        const auto file = Generated(picture.name, name, asked, picture.labels, picture.samples);
+        if (!file) return Forward(file);
+        shown.columns[name] = row.name;
+        sets.push_back({name, *file});
+      }
+      return sets;
+    }
+    for (const DrawnSkeletonOptions& skeleton : picture.skeletons) {
+      asked.bone_lengths = folder / "dataset.h5";
+      asked.person = skeleton.person;
+      asked.scale = skeleton.scale;
+      const auto file = Generated(picture.name, skeleton.name, asked, picture.labels, picture.samples);
+      if (!file) return Forward(file);
+      sets.push_back({skeleton.name, *file});
+    }
+    if (!sets.empty()) return sets;
+    const auto file = MotionsOf(picture, row, folder);
+    if (!file) return Forward(file);
+    if (row.single && !picture.scripts.empty()) shown.joined.push_back(row.name);
+    return std::vector<DrawnSet>{{row.name, *file}};
   }
 
   Status Draw(const DrawnMotionsOptions& picture) {
-    const DataSetOptions& set = SetOf(picture);
-    const fs::path folder = run_.folder / "data" / set.name;
-    if (run_.sets.done.count(set.name) == 0) {
-      Lose("picture '" + picture.name + "'", "set " + set.name + " failed");
-      return {};
+    const DataSetOptions& set = SetOf(picture.set);
+    const auto folder = FolderOf(set);
+    if (!folder) return Forward(folder);
+    MotionPictureOptions shown;
+    shown.title = options_.reproduce.shows;
+    shown.corner = CornerOf({&set});
+    shown.samples = picture.samples * std::max<std::int64_t>(1, static_cast<std::int64_t>(picture.scripts.size()));
+    shown.stills = picture.stills;
+    shown.figure = FigureChoice::kCapsules;
+    shown.themes = picture.themes;
+    shown.words = picture.words;
+    shown.colours = picture.colours;
+    shown.absent = picture.absent;
+    shown.world = picture.world;
+    shown.path = picture.path;
+    if (picture.scripts.empty()) shown.labels = picture.labels;
+    std::vector<DrawnSet> sets;
+    if (picture.canonicalisation) {
+      const auto file = NewFile(picture.name, "placed");
+      if (!file) return Forward(file);
+      const auto placed = PlacedByEachRule(*folder / "dataset.h5", *file);
+      if (!placed) return Forward(placed);
+      for (const auto& [name, path] : placed->sets) sets.push_back({name, path});
+      shown.labels = placed->labels;
+      shown.colours = placed->colours;
+      shown.scene = true;
     }
-    DrawArguments drawn;
     for (const std::string& name : picture.rows) {
-      const std::string what = "picture '" + picture.name + "', row '" + name + "'";
-      const auto row = RowOf(name, folder);
-      if (!row) {
-        Lose(what, "its network is not trained");
+      const auto row = RowOf(name, *folder);
+      auto own = row ? SetsOf(picture, *row, *folder, shown)
+                     : Fail(ErrorCode::kTooManyFailures, "its network is not trained", name);
+      if (!own && Ends(own.error())) return Forward(own);
+      if (!own) {
+        Lose("picture '" + picture.name + "', row '" + name + "'", own.error().Message());
+        shown.absent[name] = own.error().what;
         continue;
       }
-      const auto motions = MotionsOf(picture, *row, folder);
-      if (!motions) {
-        if (Ends(motions.error())) return Forward(motions);
-        Lose(what, motions.error().Message());
-        continue;
-      }
-      drawn.motions.push_back(row->name + "=" + motions->string());
+      sets.insert(sets.end(), own->begin(), own->end());
     }
-    if (drawn.motions.empty()) return {};
-    if (motions_.empty()) motions_ = drawn.motions;
-    if (picture.scripts.empty()) drawn.labels = picture.labels;
-    drawn.samples = static_cast<int>(picture.interpolate > 0 ? picture.interpolate : picture.samples);
-    drawn.stills = static_cast<int>(picture.stills);
-    drawn.figure = "capsules";
-    drawn.title = options_.reproduce.shows + " (" + set.name + (set.path.empty() ? ", substitute" : "") + ", profile " +
-                  options_.profile + ")";
-    drawn.force = true;
-    for (const char* ending : {".svg", ".png"}) {
-      drawn.output = run_.folder / "pictures" / (picture.name + ending);
-      if (Status made = MakeFolder(drawn.output.parent_path()); !made) return made;
-      if (Status done = DrawVerb(own_, drawn); !done) {
-        if (Ends(done.error())) return done;
-        Lose("picture '" + picture.name + "'", done.error().Message());
-        return {};
-      }
-      made_.files.push_back(drawn.output);
+    if (sets.empty()) return {};
+    ItemSpec item{"motions", nlohmann::json(), {}};
+    for (const DrawnSet& one : sets) item.inputs.push_back({"motions", one.name, one.file, ""});
+    return WritePicture(MotionPictureDeclaration(), std::move(item), OptionsToJson(shown), picture.name);
+  }
+
+  /// pictures/NAME.svg and .png by a stage, and NAME.json with what a picture of motions shows.
+  Status WritePicture(const StageDeclaration& stage, ItemSpec item, nlohmann::json options, const std::string& name) {
+    const fs::path folder = run_.folder / "pictures";
+    if (Status made = MakeFolder(folder); !made) return made;
+    for (const char* format : {"svg", "png"}) {
+      options["format"] = format;
+      item.options = options;
+      const auto drawn = stages_->One(stage, item);
+      if (!drawn) return Forward(drawn);
+      const fs::path file = folder / (name + "." + format);
+      if (Status copied = CopyWhole(drawn->artifact, file); !copied) return copied;
+      made_.files.push_back(file);
+      if (!drawn->summary.contains("shown")) continue;
+      const nlohmann::json json = {
+          {"title", options.at("title")}, {"corner", options.at("corner")}, {"rows", drawn->summary.at("shown")}};
+      if (Status written = WriteFile(folder / (name + ".json"), json.dump(1) + "\n"); !written) return written;
     }
     return {};
   }
 
-  /// Draws curves of rows "NAME, step 4" or "NAME, 40 frames", or of sets "uestc_50".
-  Status DrawCurves() {
-    static const std::pair<const char*, const char*> kPlotted[] = {
-        {"accuracy", "Accuracy"},   {"accuracy_equivalent", "Accuracy, equivalent labels"},
-        {"accuracy_top5", "Top-5"}, {"accuracy_denoised", "Accuracy, denoised"},
-        {"FID_train", "FID train"}, {"FID_test", "FID test"},
-        {"diversity", "Diversity"}, {"multimodality", "Multimodality"}};
-    std::map<std::string, std::map<std::string, std::map<double, nlohmann::json>>> curves;  // metric, name, x
-    for (const DataSetOptions& set : options_.data) {
-      if (run_.sets.done.count(set.name) == 0) continue;
-      for (const char* table : {"table.json", "recognition.json"}) {
-        const fs::path file = run_.folder / "data" / set.name / "tables" / table;
-        if (Earlier(file)) continue;
-        const nlohmann::json json = ReadJson(file).value_or(nullptr);
-        if (!json.is_object()) continue;
-        for (const nlohmann::json& row : json.value("rows", nlohmann::json::array())) AddPoint(set.name, row, curves);
-      }
-    }
-    nlohmann::json plots = nlohmann::json::array();
-    for (const auto& [metric, title] : kPlotted) {
-      nlohmann::json plot = {{"title", title + Origin()},
-                             {"x_name", options_.reproduce.curve},
-                             {"y_name", ""},
-                             {"curves", nlohmann::json::array()}};
-      for (const auto& [name, points] : curves[metric]) {
-        nlohmann::json curve = {{"name", name}, {"points", nlohmann::json::array()}};
-        for (const auto& [x, point] : points) curve["points"].push_back(point);
-        if (points.size() > 1) plot["curves"].push_back(std::move(curve));
-      }
-      if (!plot["curves"].empty()) plots.push_back(std::move(plot));
-    }
-    if (plots.empty()) return {};
-    auto stages = VerbStages::Make(own_);
-    if (!stages) return Forward(stages);
-    const fs::path numbers = run_.folder / "pictures/curves.json", picture = run_.folder / "pictures/curves.svg";
-    if (Status made = MakeFolder(numbers.parent_path()); !made) return made;
-    const nlohmann::json document = {{"plots", std::move(plots)}, {"columns", 3}};
-    if (Status written = WriteFile(numbers, document.dump(1) + "\n"); !written) return written;
-    const auto drawn =
-        (*stages)->One(PlotDeclaration(), {"curves", nlohmann::json::object(), {{"plots", "curves", numbers, ""}}});
-    if (!drawn) return Forward(drawn);
-    if (Status copied = CopyWhole(drawn->artifact, picture); !copied) return copied;
-    made_.files.push_back(picture);
-    return {};
-  }
+  // Curves.
 
-  /// Suffix of the titles of curves.
-  std::string Origin() const {
-    const bool given = std::all_of(options_.data.begin(), options_.data.end(),
-                                   [](const DataSetOptions& set) { return !set.path.empty(); });
-    return std::string(" (") + (given ? "" : "substitute, ") + "profile " + options_.profile + ")";
-  }
+  using Curves = std::map<std::string, std::map<double, nlohmann::json>>;  // points by row and x
 
-  /// Whether the curves include a metric of a set.
-  bool Plots(const std::string& set, const std::string& metric) const {
-    const std::vector<std::string>& plotted = options_.reproduce.plotted;
-    return plotted.empty() || std::find(plotted.begin(), plotted.end(), set + "." + metric) != plotted.end();
-  }
-
-  void AddPoint(const std::string& set, const nlohmann::json& row,
-                std::map<std::string, std::map<std::string, std::map<double, nlohmann::json>>>& curves) const {
-    std::string name = row.at("name").get<std::string>();
-    std::string number;
-    const std::size_t comma = name.rfind(", "), under = set.rfind('_');
+  /// The number of a row "NAME, step 4" or of a set "uestc_50", and NAME.
+  static std::optional<std::pair<std::string, double>> PlaceOf(const std::string& set, std::string name) {
     const auto digits = [](const std::string& text) {
       std::string found;
       for (const char c : text) {
@@ -252,62 +304,172 @@ class PictureMaker {
       }
       return found;
     };
+    const std::size_t comma = name.rfind(", "), under = set.rfind('_');
+    std::string number = "100";  // all of the data
     if (comma != std::string::npos) {
       number = digits(name.substr(comma));
       name.resize(comma);
     } else if (under != std::string::npos) {
       number = digits(set.substr(under));
-    } else {
-      number = "100";  // all of the data
     }
     const auto x = ParseDouble(number);
-    if (!x) return;
-    const nlohmann::json metrics = row.value("metrics", nlohmann::json::object());
-    for (const auto& [metric, value] : metrics.items()) {
-      if (!Plots(set, metric) || !value.is_object() || !value.at("value").is_number()) continue;
-      nlohmann::json point = {{"x", *x}, {"y", value["value"]}};
-      if (value.contains("interval") && value["interval"].is_array()) {
-        point["low"] = value["interval"][0];
-        point["high"] = value["interval"][1];
+    return x ? std::optional(std::pair(name, *x)) : std::nullopt;
+  }
+
+  /// Points of "SET.METRIC" or "METRIC" of all sets.
+  Curves PointsOf(const std::string& wanted) const {
+    Curves curves;
+    const std::size_t point = wanted.find('.');
+    const std::string metric = point == std::string::npos ? wanted : wanted.substr(point + 1);
+    for (const DataSetOptions& set : options_.data) {
+      if (run_.sets.done.count(set.name) == 0) continue;
+      if (point != std::string::npos && wanted.compare(0, point, set.name) != 0) continue;
+      for (const char* table : {"table.json", "recognition.json"}) {
+        const fs::path file = run_.folder / "data" / set.name / "tables" / table;
+        if (Earlier(file)) continue;
+        const nlohmann::json json = ReadJson(file).value_or(nullptr);
+        if (!json.is_object()) continue;
+        for (const nlohmann::json& row : json.value("rows", nlohmann::json::array())) {
+          const auto place = PlaceOf(set.name, row.at("name").get<std::string>());
+          const nlohmann::json value = row.value("metrics", nlohmann::json::object()).value(metric, nlohmann::json());
+          if (!place || !value.is_object() || !value.at("value").is_number()) continue;
+          nlohmann::json& at = curves[place->first][place->second];
+          at = {{"x", place->second}, {"y", value["value"]}};
+          if (!value.contains("interval") || !value["interval"].is_array()) continue;
+          at["low"] = value["interval"][0];
+          at["high"] = value["interval"][1];
+        }
       }
-      curves[metric][name][*x] = std::move(point);
+    }
+    return curves;
+  }
+
+  /// Adds the curves of a metric that a plot shows.
+  void AddCurves(const PaperPlotOptions& plot, const std::string& metric, nlohmann::json& to) const {
+    for (const auto& [row, points] : PointsOf(metric)) {
+      const auto named = plot.curves.find(row);
+      if ((!plot.curves.empty() && named == plot.curves.end()) || points.size() < 2) continue;
+      std::string name = plot.curves.empty() ? row : named->second;
+      if (!plot.right.empty()) name += (name.empty() ? "" : ": ") + metric.substr(metric.find('.') + 1);
+      nlohmann::json curve = {{"name", name}, {"right", metric == plot.right}, {"points", nlohmann::json::array()}};
+      for (const auto& [x, point] : points) curve["points"].push_back(point);
+      to.push_back(std::move(curve));
     }
   }
 
+  Status DrawCurves() {
+    std::vector<const DataSetOptions*> sets;
+    for (const DataSetOptions& set : options_.data) sets.push_back(&set);
+    nlohmann::json sheet = {{"title", options_.reproduce.shows},
+                            {"corner", CornerOf(sets)},
+                            {"plots", nlohmann::json::array()},
+                            {"columns", 2}};
+    for (const PaperPlotOptions& asked : options_.reproduce.plots) {
+      nlohmann::json plot = {{"title", asked.title},
+                             {"x_name", options_.reproduce.curve},
+                             {"y_name", asked.metric.substr(asked.metric.find('.') + 1)},
+                             {"right_name", asked.right.substr(asked.right.find('.') + 1)},
+                             {"curves", nlohmann::json::array()}};
+      if (asked.solid.size() == 2) plot["solid"] = asked.solid;
+      AddCurves(asked, asked.metric, plot["curves"]);
+      if (!asked.right.empty()) AddCurves(asked, asked.right, plot["curves"]);
+      if (plot["curves"].empty()) Lose("plot '" + asked.title + "'", "no row of the tables has " + asked.metric);
+      sheet["plots"].push_back(std::move(plot));
+    }
+    const fs::path numbers = run_.folder / "pictures/curves.json";
+    if (Status made = MakeFolder(numbers.parent_path()); !made) return made;
+    if (Status written = WriteFile(numbers, sheet.dump(1) + "\n"); !written) return written;
+    return Finished("the curves", WritePicture(PlotDeclaration(), {"curves", {}, {{"plots", "curves", numbers, ""}}},
+                                               nlohmann::json::object(), "curves"));
+  }
+
+  // Studies.
+
+  /// At most `samples` clips of each label of a dataset, as a file of their own.
+  Expected<fs::path> SomeOf(const fs::path& dataset, const PaperSurveyOptions& survey) const {
+    auto set = ReadDataset(dataset);
+    if (!set) return Forward(set);
+    std::map<std::string, std::int64_t> taken;
+    std::vector<Clip> clips;
+    for (Clip& clip : set->clips) {
+      const bool asked = survey.labels.empty() ||
+                         std::find(survey.labels.begin(), survey.labels.end(), clip.label) != survey.labels.end();
+      if (asked && taken[clip.label]++ < survey.samples) clips.push_back(std::move(clip));
+    }
+    set->clips = std::move(clips);
+    set->splits.clear();
+    const auto file = NewFile(survey.kind, kRealRow);
+    if (!file) return Forward(file);
+    if (Status written = WriteDataset(*set, *file); !written) return Forward(written);
+    return *file;
+  }
+
+  /// Motions of a source of a study.
+  Expected<fs::path> SourceOf(const PaperSurveyOptions& survey, const std::string& name, const fs::path& folder) {
+    const auto row = RowOf(name, folder);
+    if (!row) return Fail(ErrorCode::kTooManyFailures, "its network is not trained", name);
+    GenerateArguments asked;
+    asked.checkpoint = row->checkpoint;
+    std::vector<std::string> labels = survey.labels;
+    if (labels.empty() && !row->real) {
+      const auto checkpoint = ReadCheckpoint(asked.checkpoint);
+      if (!checkpoint) return Forward(checkpoint);
+      labels = checkpoint->labels;
+    }
+    const auto file =
+        row->real ? SomeOf(folder / "dataset.h5", survey) : Generated(survey.kind, name, asked, labels, survey.samples);
+    if (!file || survey.skeleton.empty()) return file;
+    FitArguments fit;
+    fit.path = *file;
+    fit.skeleton = survey.skeleton;
+    const auto fitted = NewFile(survey.kind, name + "_fitted");
+    if (!fitted) return Forward(fitted);
+    fit.output = *fitted;
+    fit.force = true;
+    const Status done = FitVerb(own_, fit);
+    if (!done && done.error().code != ErrorCode::kTooManyFailures) return Forward(done);  // suspect fits are shown too
+    return *fitted;
+  }
+
   /// Makes the page of questions, and the figure, which is marked as without answers.
-  Status MakeSurvey(const std::string& kind) {
-    if (motions_.size() < 2) {
-      Lose("survey '" + kind + "'", "it needs motions of two sources");
-      return {};
-    }
+  Status MakeSurvey(const PaperSurveyOptions& survey) {
+    const auto folder = FolderOf(options_.data.front());
+    if (!folder) return Forward(folder);
     SurveyMakeArguments asked;
-    asked.kind = kind;
-    asked.motions = motions_;
-    if (kind == "real_or_fake") asked.real = kRealRow;
-    asked.ask = options_.reproduce.pictures.front().labels;
-    asked.output = run_.folder / "survey" / kind;
-    asked.force = true;
-    if (Status made = SurveyMakeVerb(own_, asked); !made) {
-      if (Ends(made.error())) return made;
-      Lose("survey '" + kind + "'", made.error().Message());
-      return {};
+    asked.kind = survey.kind;
+    for (const std::string& name : survey.rows) {
+      const auto file = SourceOf(survey, name, *folder);
+      if (!file) return Forward(file);
+      asked.motions.push_back(name + "=" + file->string());
     }
+    if (survey.kind == "real_or_fake") asked.real = kRealRow;
+    asked.ask = survey.labels;
+    asked.questions = survey.questions;
+    asked.output = run_.folder / "survey" / survey.kind;
+    asked.force = true;
+    if (Status made = SurveyMakeVerb(own_, asked); !made) return made;
     SurveyTallyArguments tally;
     tally.key = asked.output / "key.json";
     tally.output = asked.output / "tally";
     tally.force = true;
     if (Status counted = SurveyTallyVerb(own_, tally); !counted) return counted;
-    LogInfo("send " + DisplayPath(asked.output / "survey.html") + " to participants, then: mocurate survey tally " +
-            DisplayPath(tally.key) + " answers_*.json -o DIR");
-    made_.files.push_back(asked.output / "survey.html");
+    const fs::path page = asked.output / "survey.html";
+    LogInfo("send " + DisplayPath(page) + " to participants, then: mocurate survey tally " + DisplayPath(tally.key) +
+            " answers_*.json -o DIR");
+    made_.files.push_back(page);
     made_.files.push_back(tally.output / "figure.svg");
+    if (!options_.reproduce.screens) return {};
+    const fs::path picture = run_.folder / "pictures" / (survey.kind + "_page.png");
+    if (Status made = MakeFolder(picture.parent_path()); !made) return made;
+    if (Status taken = WriteScreen(page, picture); !taken) return taken;
+    made_.files.push_back(picture);
     return {};
   }
 
   const JobOptions& options_;
   const ReproducedRun& run_;
   CommonArguments own_;
-  std::vector<std::string> motions_;  ///< of the first picture, NAME=FILE
+  std::unique_ptr<VerbStages> stages_;
   PaperPictures made_;
 };
 

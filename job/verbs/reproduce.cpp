@@ -420,11 +420,14 @@ class Reproduction {
     for (const char* ending : {".md", ".csv", ".tex", ".json"}) {
       note("tables/" + name_ + ending, json_.at("table").is_string(), JobStage::kTable);
     }
-    std::vector<std::string> pictures = {"pictures/curves.svg"};
+    std::vector<std::string> pictures = {"pictures/curves.svg", "pictures/curves.png"};
     for (const DrawnMotionsOptions& picture : item().pictures) {
       for (const char* ending : {".svg", ".png"}) pictures.push_back("pictures/" + picture.name + ending);
     }
-    for (const std::string& kind : item().surveys) pictures.push_back("survey/" + kind + "/survey.html");
+    for (const PaperSurveyOptions& survey : item().surveys) {
+      pictures.push_back("survey/" + survey.kind + "/survey.html");
+      pictures.push_back("pictures/" + survey.kind + "_page.png");
+    }
     for (const std::string& file : pictures) {
       note(file, std::find(made.begin(), made.end(), folder_ / file) != made.end(), JobStage::kReport);
     }

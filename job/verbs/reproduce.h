@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -42,10 +43,23 @@ struct PaperPictures {
   std::vector<std::string> lost;  ///< missing parts, each with a warning
 };
 
-/// The pictures of a paper's item from the networks and datasets of its run: motions/NAME_ROW.h5, pictures/NAME.svg and
-/// .png, pictures/curves.svg of rows that are points of a curve, survey/KIND/ of its studies. Overwrites files of these
-/// names. Errors kInterrupted, kCannotWrite.
+/// The pictures of a paper's item from the networks and datasets of its run: motions/NAME_ROW.h5, pictures/NAME.svg,
+/// .png and .json, pictures/curves.* of rows that are points of a curve, survey/KIND/ of its studies. Overwrites files
+/// of these names. Errors kInterrupted, kCannotWrite.
 Expected<PaperPictures> MakePaperPictures(const JobOptions& options, const ReproducedRun& run);
+
+/// A motion of a set that ends bent down, placed by each rule (MultiAct, section 3.2): files of sets with one motion
+/// for each panel (label) that shows it.
+struct PlacedMotions {
+  std::vector<std::pair<std::string, std::filesystem::path>> sets;  ///< by name
+  std::vector<std::string> labels;                                  ///< of the panels
+  std::map<std::string, std::string> colours;                       ///< of the sets
+};
+
+/// The previous motion of the sample whose trunk is bent most, cut at that frame: as in its source, with its last frame
+/// facing the front, and with that frame's root rotation undone. Files beside `file`. Error kInconsistent for a set
+/// without samples of two actions or rotations.
+Expected<PlacedMotions> PlacedByEachRule(const std::filesystem::path& dataset, const std::filesystem::path& file);
 
 /// Reduction of a job's training to a time budget.
 struct TimeBudget {

@@ -106,12 +106,14 @@ struct GenerateArguments {
   std::filesystem::path fill;        ///< checkpoint that fills transitions between joined actions, or empty
   std::filesystem::path previous;    ///< dataset whose motions scripts continue, or empty
   std::string previous_clip;         ///< id of the motion to continue; empty: drawn
+  bool keep_previous = false;        ///< answers begin with the motion that they continue
   bool align = false;                ///< rotate and move joined actions
   bool snap = false;                 ///< continuations start at the last frame's place and heading
   std::filesystem::path denoise;     ///< dataset whose clips are encoded and decoded, or empty
   std::uint64_t seed = 1;
   std::string scale;                   ///< "legs=1.25,arms=1.25"
   std::filesystem::path bone_lengths;  ///< dataset whose mean bone lengths the motions get, or empty
+  std::string person;                  ///< of that dataset, whose bones alone count; empty: all
   std::filesystem::path mesh;          ///< folder for the motions as meshes, or empty
   std::filesystem::path body;          ///< of the meshes; empty: the one that losses on vertices use
   int shapes = 1;                      ///< number of bodies per motion

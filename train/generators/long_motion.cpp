@@ -67,12 +67,17 @@ struct Chain {
   RigidTransform from_source;     ///< of the previous motion's clip
   std::vector<Segment> segments;  ///< of `motion`
 
-  void Add(const Motion& part, const std::string& label) {
+  void Add(const Motion& part, const std::string& label, const char* origin = "generated") {
     const double begin = part.rate.FrameTime(motion.frame_count());
     Append(part, motion);
-    segments.push_back({begin, part.rate.FrameTime(motion.frame_count()), label, "", "generated"});
+    segments.push_back({begin, part.rate.FrameTime(motion.frame_count()), label, "", origin});
   }
 };
+
+/// The action that a previous motion ends with.
+std::string LabelOf(const Clip& previous) {
+  return previous.segments.empty() ? previous.label : previous.segments.back().label;
+}
 
 /// Rows of all requests, one step after the other.
 class LongRun {
@@ -180,6 +185,7 @@ class LongRun {
       if (requests_[i].previous) {
         chains_[i].last = *requests_[i].previous->motion;
         chains_[i].from_source = requests_[i].previous->canonical_from_source;
+        if (networks_.keep_previous) chains_[i].Add(chains_[i].last, LabelOf(*requests_[i].previous), "recorded");
       } else {
         rows.push_back(i);
       }
@@ -385,7 +391,7 @@ Expected<Dataset> GenerateLongMotions(const LongMotionNetworks& networks, const 
                                       int threads, const std::function<bool(double)>& proceed) {
   const bool scripts = std::any_of(requests.begin(), requests.end(),
                                    [](const MotionRequest& request) { return !request.script.empty(); });
-  if (!scripts) return networks.main->Generate(requests, threads);
+  if (!scripts && networks.first == nullptr) return networks.main->Generate(requests, threads);
   if (Status sound = networks.Check(); !sound) return Forward(sound);
   auto chains = LongRun(networks, requests, threads).Run(proceed);
   if (!chains) return Forward(chains);

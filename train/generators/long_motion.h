@@ -16,8 +16,9 @@ struct LongMotionNetworks {
   std::shared_ptr<const MotionGenerator> first;  ///< of single actions; generates the first one where `main` is MACVAE
   std::shared_ptr<const MotionGenerator> fill;   ///< SSMCT-like, fills transitions between joined actions; null:
                                                  ///< rotations by slerp, positions linearly
-  bool snap = false;   ///< MACVAE's parts begin at the last frame's position and heading, as released; else where its
-                       ///< stored transform puts them (multiact.md D.3)
+  bool snap = false;  ///< MACVAE's parts begin at the last frame's position and heading, as released; else where its
+                      ///< stored transform puts them (multiact.md D.3)
+  bool keep_previous = false;  ///< the answer begins with the motion that it continues, as a segment "recorded"
   bool align = false;  ///< rotate and move joined actions to the end of the one before; else they stay as generated
 
   /// Error kInconsistent where networks have other skeletons, rates or classes, or are of the wrong kind.

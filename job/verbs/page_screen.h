@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+
+#include "core/base/error.h"
+
+namespace mocurate {
+
+/// A picture (PNG, 1300 pixels wide) of an HTML page as Chromium shows it. The browser is $MOCURATE_BROWSER, else
+/// chromium, chromium-browser or google-chrome of the PATH. Errors kMissingOnHost without one, kInternal where it
+/// writes no picture.
+Status WriteScreen(const std::filesystem::path& page, const std::filesystem::path& picture);
+
+}  // namespace mocurate
