@@ -104,7 +104,7 @@ void ReproduceOptions::Declare(OptionVisitor& v) {
   v.Texts("plotted", plotted, "metrics of the curves, SET.METRIC; empty: all");
   v.List("released", released, "motions published by the authors, scored with their recogniser");
   v.List("pictures", pictures, "pictures of motions in rows of equally spaced frames");
-  v.Texts("surveys", surveys, "surveys about the motions of the first picture: preference, real_or_fake");
+  v.Texts("surveys", surveys, "surveys about the motions of the first picture: ranking, real_or_fake");
 }
 
 void JobOptions::Declare(OptionVisitor& v) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/base/random.h"
 #include "core/base/table_text.h"
@@ -15,80 +17,187 @@ namespace {
 
 constexpr double kNormal95 = 1.959963984540054;  ///< 97.5th percentile of the standard normal distribution
 constexpr std::size_t kFewestForBootstrap = 3;   ///< participants
+constexpr std::size_t kFewestForTest = 2;
 constexpr int kResamples = 2000;
+constexpr std::size_t kMostForAllSigns = 12;  ///< participants; 4096 sign patterns
+constexpr int kSignDraws = 10000;
+
+using TableJson = nlohmann::ordered_json;  // columns of tables in this order
+using Cells = std::vector<std::string>;
 
 /// One participant's votes in a row.
 struct OwnVotes {
-  std::int64_t chosen = 0;
+  std::vector<std::int64_t> chosen;  ///< of each share
   std::int64_t votes = 0;
+  std::int64_t sum = 0;  ///< of ranks, or of motions judged real
+
+  double mean() const { return static_cast<double>(sum) / static_cast<double>(std::max<std::int64_t>(1, votes)); }
 };
 
-/// Whether a question belongs to a row, and which answer counts for it.
-std::optional<int> CountedAnswer(const SurveyQuestion& question, const TallyRow& row) {
-  if (!row.label.empty() && question.label != row.label) return std::nullopt;
-  if (row.second.empty()) return question.shown.front().source == row.first ? std::optional<int>(0) : std::nullopt;
-  if (question.shown[0].source == row.first && question.shown[1].source == row.second) return 0;
-  if (question.shown[0].source == row.second && question.shown[1].source == row.first) return 1;
-  return std::nullopt;
+/// Counts the votes of each participant, and those of all in the row.
+std::vector<OwnVotes> Count(const SurveyKey& key, const std::vector<SurveyAnswers>& answers, TallyRow& row) {
+  row.shares.resize(ShareNames(key.kind).size());
+  if (key.kind == SurveyKind::kRanking) row.ranks.resize(key.sources.size());
+  std::vector<OwnVotes> people(answers.size(), {std::vector<std::int64_t>(row.shares.size()), 0, 0});
+  for (std::size_t q = 0; q < key.questions.size(); ++q) {
+    const SurveyQuestion& question = key.questions[q];
+    if (!row.label.empty() && question.label != row.label) continue;
+    for (std::size_t i = 0; i < question.shown.size(); ++i) {
+      const std::string& source = question.shown[i].source;
+      if (row.source == kAllGenerated ? source == key.real : source != row.source) continue;
+      for (std::size_t person = 0; person < people.size(); ++person) {
+        const int value = answers[person].values[q][i];
+        ++row.votes;
+        ++people[person].votes;
+        people[person].sum += value;
+        if (!row.ranks.empty()) ++row.ranks[static_cast<std::size_t>(value - 1)];
+        for (std::size_t k = 0; k < row.shares.size(); ++k) {
+          const bool counts = row.ranks.empty() ? value == 1 : value <= static_cast<int>(k) + 1;
+          people[person].chosen[k] += counts ? 1 : 0;
+          row.shares[k].chosen += counts ? 1 : 0;
+        }
+      }
+    }
+  }
+  return people;
 }
 
-std::optional<ShareInterval> BootstrapInterval(const std::vector<OwnVotes>& people, std::int64_t seed,
-                                               const std::string& item) {
+std::optional<ShareInterval> BootstrapInterval(const std::vector<OwnVotes>& people, std::size_t share,
+                                               std::int64_t seed, const std::string& item) {
   if (people.size() < kFewestForBootstrap) return std::nullopt;
   Random random(static_cast<std::uint64_t>(seed), "survey bootstrap", item);
   std::vector<double> shares;
   for (int i = 0; i < kResamples; ++i) {
-    OwnVotes sum;
+    std::int64_t chosen = 0, votes = 0;
     for (std::size_t k = 0; k < people.size(); ++k) {
       const OwnVotes& drawn = people[random.Below(people.size())];
-      sum.chosen += drawn.chosen;
-      sum.votes += drawn.votes;
+      chosen += drawn.chosen[share];
+      votes += drawn.votes;
     }
-    if (sum.votes == 0) return std::nullopt;
-    shares.push_back(static_cast<double>(sum.chosen) / static_cast<double>(sum.votes));
+    if (votes == 0) return std::nullopt;
+    shares.push_back(static_cast<double>(chosen) / static_cast<double>(votes));
   }
   return ShareInterval{Quantile(shares, 0.025), Quantile(shares, 0.975)};
 }
 
-/// Pairs or sources, each with all labels and with each label.
-std::vector<TallyRow> EmptyRows(const SurveyKey& key) {
-  std::vector<TallyRow> heads;
-  for (std::size_t a = 0; a < key.sources.size(); ++a) {
-    TallyRow row;
-    row.first = key.sources[a];
-    if (key.kind == SurveyKind::kRealOrFake) heads.push_back(row);
-    for (std::size_t b = a + 1; key.kind == SurveyKind::kPreference && b < key.sources.size(); ++b) {
-      row.second = key.sources[b];
-      heads.push_back(row);
+/// Two-sided p of the sum of paired differences under exchange of signs.
+std::optional<double> SignFlipTest(const std::vector<double>& differences, std::int64_t seed, const std::string& item) {
+  const std::size_t people = differences.size();
+  if (people < kFewestForTest) return std::nullopt;
+  const bool all = people <= kMostForAllSigns;
+  const int patterns = all ? 1 << people : kSignDraws;
+  const double observed = std::fabs(std::accumulate(differences.begin(), differences.end(), 0.0));
+  Random random(static_cast<std::uint64_t>(seed), "survey signs", item);
+  int as_large = 0;
+  for (int pattern = 0; pattern < patterns; ++pattern) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < people; ++i) {
+      const bool negative = all ? (pattern >> i & 1) != 0 : random.Below(2) == 0;
+      sum += negative ? -differences[i] : differences[i];
     }
+    if (std::fabs(sum) >= observed - 1e-9) ++as_large;
   }
-  std::vector<TallyRow> rows;
-  for (TallyRow& row : heads) {
-    rows.push_back(row);
-    for (const std::string& label : key.labels) {
-      row.label = label;
-      rows.push_back(row);
+  return all ? static_cast<double>(as_large) / patterns : (as_large + 1.0) / (patterns + 1.0);
+}
+
+/// Holm's step-down correction (Holm, 1979).
+void CorrectForPairs(std::vector<TallyDifference>& differences) {
+  std::vector<TallyDifference*> order;
+  for (TallyDifference& one : differences) {
+    if (one.p) order.push_back(&one);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return *a->p < *b->p; });
+  double largest = 0.0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    largest = std::max(largest, static_cast<double>(order.size() - i) * *order[i]->p);
+    order[i]->holm = std::min(1.0, largest);
+  }
+}
+
+TableJson IntervalJson(const std::optional<ShareInterval>& interval) {
+  return {{"low", interval ? TableJson(interval->low) : TableJson()},
+          {"high", interval ? TableJson(interval->high) : TableJson()}};
+}
+
+TableJson NumberJson(bool known, double value) { return known ? TableJson(value) : TableJson(); }
+
+std::string CellOf(const TableJson& value, bool markdown) {
+  if (value.is_null()) return markdown ? "-" : "";
+  if (value.is_string()) return markdown ? MarkdownText(value.get<std::string>()) : CsvCell(value.get<std::string>());
+  return value.is_number_float() ? FixedText(value.get<double>(), 4) : value.dump();
+}
+
+/// Columns of a row: a value in an object or a list has a name joined by '_'. An interval is one cell of Markdown.
+void AddCells(const TableJson& value, const std::string& name, bool markdown, Cells& names, Cells& cells) {
+  if (!value.is_structured() || (markdown && value.contains("low"))) {
+    names.push_back(name);
+    cells.push_back(!value.is_structured() ? CellOf(value, markdown)
+                    : value.at("low").is_null()
+                        ? "-"
+                        : CellOf(value.at("low"), true) + " to " + CellOf(value.at("high"), true));
+    return;
+  }
+  std::size_t number = 0;
+  for (const auto& item : value.items()) {
+    const std::string own = value.is_array() ? std::to_string(++number) : item.key();
+    AddCells(item.value(), name.empty() ? own : name + "_" + own, markdown, names, cells);
+  }
+}
+
+/// Rows of one shape as CSV or Markdown.
+std::string TableText(const TableJson& rows, bool markdown) {
+  std::string text;
+  const auto add_line = [&](const Cells& cells) {
+    text += markdown ? "| " + JoinTexts(cells, " | ") + " |\n" : JoinTexts(cells, ",") + "\n";
+  };
+  for (const TableJson& row : rows) {
+    Cells names, cells;
+    AddCells(row, "", markdown, names, cells);
+    if (text.empty()) {
+      add_line(names);
+      if (markdown) add_line(Cells(names.size(), "---"));
     }
+    add_line(cells);
+  }
+  return text;
+}
+
+TableJson RowsJson(const SurveyTally& tally) {
+  TableJson rows = TableJson::array();
+  const std::vector<std::string> names = ShareNames(tally.kind);
+  for (const TallyRow& row : tally.rows) {
+    TableJson one = {{"source", row.source},
+                     {"label", row.label.empty() ? TableJson() : TableJson(row.label)},
+                     {"votes", row.votes}};
+    if (!row.ranks.empty()) {
+      one["ranks"] = row.ranks;
+      one["mean_rank"] = NumberJson(row.votes > 0, row.mean_rank());
+    }
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      one[names[k]] = {{"votes", row.shares[k].chosen},
+                       {"share", NumberJson(row.votes > 0, row.share(k))},
+                       {"wilson_95", IntervalJson(row.shares[k].wilson)},
+                       {"bootstrap_95", IntervalJson(row.shares[k].bootstrap)}};
+    }
+    rows.push_back(std::move(one));
   }
   return rows;
 }
 
-nlohmann::json IntervalJson(const std::optional<ShareInterval>& interval) {
-  if (!interval) return nullptr;
-  return {interval->low, interval->high};
-}
-
-std::string CsvNumbers(const std::optional<ShareInterval>& interval) {
-  return interval ? FixedText(interval->low, 4) + "," + FixedText(interval->high, 4) : ",";
-}
-
-std::string PercentCell(const std::optional<ShareInterval>& interval) {
-  if (!interval) return "-";
-  return FixedText(100.0 * interval->low, 1) + " to " + FixedText(100.0 * interval->high, 1);
+TableJson DifferencesJson(const SurveyTally& tally) {
+  TableJson rows = TableJson::array();
+  for (const TallyDifference& one : tally.differences) {
+    rows.push_back({{"first", one.first},
+                    {"second", one.second},
+                    {"difference", NumberJson(!tally.participants.empty(), one.difference)},
+                    {"participants", tally.participants.size()},
+                    {"p", NumberJson(one.p.has_value(), one.p.value_or(0.0))},
+                    {"p_holm", NumberJson(one.holm.has_value(), one.holm.value_or(0.0))}});
+  }
+  return rows;
 }
 
 std::string MarkdownIntroduction(const SurveyTally& tally) {
-  const bool preference = tally.kind == SurveyKind::kPreference;
   std::string text = "# Survey " + tally.survey + ": " + std::string(Name(tally.kind)) + "\n\n";
   if (tally.participants.empty()) {
     text += "There are no answers. No vote is counted, and none is simulated.\n\n";
@@ -96,62 +205,47 @@ std::string MarkdownIntroduction(const SurveyTally& tally) {
     text += Counted(static_cast<long long>(tally.participants.size()), "participant") + ", " +
             Counted(static_cast<long long>(tally.questions), "question") + " each. ";
   }
-  text += preference ? "The share is that of votes for the first motion of a pair.\n\n"
-                     : "The share is that of votes that a motion of the source is real; recordings are " +
-                           MarkdownText(tally.real) + ".\n\n";
+  text += tally.kind == SurveyKind::kRanking
+              ? "Rank 1 is the best. The shares are of votes for rank 1, and for ranks 1 and 2. "
+              : "The share is that of votes that a motion of the source is real; recordings are " +
+                    MarkdownText(tally.real) + ". ";
   text +=
-      "Wilson's 95 % interval assumes independent votes. Votes of one participant are not: the bootstrap draws\n"
+      "Rows without a label are of all labels.\n\nWilson's 95 % interval assumes independent votes. Votes of one "
+      "participant are not: the bootstrap draws\n"
       "participants. ";
-  text += tally.participants.size() < kFewestForBootstrap
+  return text +
+         (tally.participants.size() < kFewestForBootstrap
               ? "It needs " + std::to_string(kFewestForBootstrap) + " participants and is omitted.\n\n"
-              : "It has " + std::to_string(kResamples) + " resamples, seed " + std::to_string(tally.seed) + ".\n\n";
-  return text;
+              : "It has " + std::to_string(kResamples) + " resamples, seed " + std::to_string(tally.seed) + ".\n\n");
 }
 
-// TallyToSvg: an SVG file with its own style.
-
-constexpr double kBarWidth = 360.0;  ///< of the share 1, pixels
-constexpr double kRowHeight = 24.0;
-constexpr double kTextWidth = 6.8;  ///< of a character, approximately
-constexpr double kTop = 56.0;       ///< of the first row
-
-constexpr const char* kFigureStyle =
-    "<style>text{font:12px system-ui,sans-serif;fill:#1c2127}.soft{fill:#5a6470}.head{font-weight:600}"
-    ".first{fill:#2563c9}.rest{fill:#d9dee5}.whisker{stroke:#1c2127;stroke-width:1.5}"
-    ".half{stroke:#5a6470;stroke-dasharray:3 3}.page{fill:#fff}</style>\n";
-
-std::string FigureText(double x, double y, const std::string& text, const char* anchor, const char* css_class = "") {
-  return "<text x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(y) + "\" text-anchor=\"" + anchor + "\"" +
-         (*css_class == '\0' ? "" : " class=\"" + std::string(css_class) + "\"") + ">" + EscapeHtml(text) + "</text>\n";
-}
-
-std::string FigureRect(double x, double y, double width, double height, const char* css_class) {
-  return "<rect x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(y) + "\" width=\"" + Coordinate(width) + "\" height=\"" +
-         Coordinate(height) + "\" class=\"" + css_class + "\"/>\n";
-}
-
-std::string Whisker(const ShareInterval& interval, double left, double middle) {
-  const double low = left + kBarWidth * interval.low, high = left + kBarWidth * interval.high;
-  return SvgLine(low, middle, high, middle, "whisker") + SvgLine(low, middle - 4, low, middle + 4, "whisker") +
-         SvgLine(high, middle - 4, high, middle + 4, "whisker");
-}
-
-std::string TallyHead(const TallyRow& row) {
-  return row.second.empty() ? row.first : row.first + " preferred to " + row.second;
-}
-
-/// The bar of one row, `middle` pixels from the top.
-std::string BarOf(const TallyRow& row, double left, double middle) {
-  std::string svg = FigureText(left - 10, middle + 4, row.label.empty() ? "all" : row.label, "end");
-  if (row.votes == 0) return svg + FigureText(left + 8, middle + 4, "no votes", "start", "soft");
-  const double width = kBarWidth * row.share();
-  svg += FigureRect(left, middle - 7, kBarWidth, 14, "rest") + FigureRect(left, middle - 7, width, 14, "first");
-  if (row.wilson) svg += Whisker(*row.wilson, left, middle);
-  return svg + FigureText(left + kBarWidth + 10, middle + 4,
-                          FixedText(100.0 * row.share(), 0) + " % of " + std::to_string(row.votes), "start");
+std::string MarkdownDifferences(const SurveyTally& tally) {
+  const std::size_t people = tally.participants.size();
+  std::string text = "\nDifferences of " +
+                     std::string(tally.kind == SurveyKind::kRanking ? "mean rank" : "the share judged real") +
+                     ", mean over participants. ";
+  if (people < kFewestForTest) return text + "The test needs 2 participants and is omitted.\n";
+  text += "p: sign-flip permutation test over " + std::to_string(people) + " participants, " +
+          (people <= kMostForAllSigns ? "all " + std::to_string(1 << people) + " sign patterns"
+                                      : std::to_string(kSignDraws) + " drawn sign patterns") +
+          ", two-sided; p (Holm) is corrected for " +
+          Counted(static_cast<long long>(tally.differences.size()), "pair") + ".";
+  if (people < 6) text += " With fewer than 6 participants no p is below 0.05.";
+  return text + "\n\n" + TableText(DifferencesJson(tally), true);
 }
 
 }  // namespace
+
+double TallyRow::mean_rank() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < ranks.size(); ++i) sum += static_cast<double>(i + 1) * static_cast<double>(ranks[i]);
+  return sum / static_cast<double>(std::max<std::int64_t>(1, votes));
+}
+
+std::vector<std::string> ShareNames(SurveyKind kind) {
+  if (kind == SurveyKind::kRanking) return {"first", "first_two"};
+  return {"judged_real"};
+}
 
 std::optional<ShareInterval> WilsonInterval(std::int64_t chosen, std::int64_t votes) {
   if (votes <= 0) return std::nullopt;
@@ -164,119 +258,129 @@ std::optional<ShareInterval> WilsonInterval(std::int64_t chosen, std::int64_t vo
 }
 
 SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& answers) {
-  SurveyTally tally{key.kind, SurveyId(key), key.real, key.seed, key.questions.size(), {}, EmptyRows(key), {}};
+  SurveyTally tally{key.kind, SurveyId(key), key.real, key.seed, key.questions.size(), {}, {}, {}, {}};
   for (const SurveyAnswers& one : answers) tally.participants.push_back(one.participant);
-  for (TallyRow& row : tally.rows) {
-    std::vector<OwnVotes> people(answers.size());
-    for (std::size_t q = 0; q < key.questions.size(); ++q) {
-      const std::optional<int> counted = CountedAnswer(key.questions[q], row);
-      if (!counted) continue;
-      for (std::size_t person = 0; person < answers.size(); ++person) {
-        ++people[person].votes;
-        if (answers[person].choice[q] == *counted) ++people[person].chosen;
+  std::vector<std::string> sources = key.sources, labels = key.labels;
+  if (!key.real.empty() && key.sources.size() > 2) sources.emplace_back(kAllGenerated);
+  labels.insert(labels.begin(), "");
+  std::map<std::string, std::vector<OwnVotes>> votes_of;  // over all labels
+  for (const std::string& source : sources) {
+    for (const std::string& label : labels) {
+      TallyRow row;
+      row.source = source;
+      row.label = label;
+      const std::vector<OwnVotes> people = Count(key, answers, row);
+      for (std::size_t k = 0; k < row.shares.size(); ++k) {
+        row.shares[k].wilson = WilsonInterval(row.shares[k].chosen, row.votes);
+        row.shares[k].bootstrap =
+            BootstrapInterval(people, k, key.seed, source + "\n" + label + "\n" + std::to_string(k));
       }
+      tally.rows.push_back(std::move(row));
+      if (label.empty()) votes_of[source] = people;
     }
-    for (const OwnVotes& own : people) {
-      row.chosen += own.chosen;
-      row.votes += own.votes;
-    }
-    row.wilson = WilsonInterval(row.chosen, row.votes);
-    row.bootstrap = BootstrapInterval(people, key.seed, row.first + "\n" + row.second + "\n" + row.label);
   }
+  for (std::size_t a = 0; a < sources.size(); ++a) {
+    for (std::size_t b = a + 1; b < sources.size(); ++b) {
+      if (sources[b] == kAllGenerated && sources[a] != key.real) continue;
+      TallyDifference one{sources[a], sources[b], 0.0, {}, {}};
+      std::vector<double> differences;
+      for (std::size_t i = 0; i < answers.size(); ++i) {
+        differences.push_back(votes_of[one.first][i].mean() - votes_of[one.second][i].mean());
+        one.difference += differences.back() / static_cast<double>(answers.size());
+      }
+      one.p = SignFlipTest(differences, key.seed, one.first + "\n" + one.second);
+      tally.differences.push_back(std::move(one));
+    }
+  }
+  CorrectForPairs(tally.differences);
   return tally;
 }
 
 nlohmann::json TallyToJson(const SurveyTally& tally) {
+  const std::size_t people = tally.participants.size();
   nlohmann::json json = {{"survey", tally.survey},
                          {"kind", Name(tally.kind)},
                          {"questions", tally.questions},
                          {"participants", tally.participants},
-                         {"rows", nlohmann::json::array()},
+                         {"rows", RowsJson(tally)},
+                         {"differences", DifferencesJson(tally)},
                          {"skipped", nlohmann::json::array()},
-                         {"bootstrap", {{"resamples", kResamples}, {"seed", tally.seed}}}};
+                         {"bootstrap", {{"resamples", kResamples}, {"seed", tally.seed}}},
+                         {"sign_patterns", people <= kMostForAllSigns ? 1 << people : kSignDraws}};
   if (!tally.real.empty()) json["real"] = tally.real;
-  const bool preference = tally.kind == SurveyKind::kPreference;
-  for (const TallyRow& row : tally.rows) {
-    nlohmann::json one = {{"label", row.label.empty() ? nlohmann::json() : nlohmann::json(row.label)},
-                          {"votes", row.votes},
-                          {"share", row.votes > 0 ? nlohmann::json(row.share()) : nlohmann::json()},
-                          {"wilson_95", IntervalJson(row.wilson)},
-                          {"bootstrap_95", IntervalJson(row.bootstrap)}};
-    one[preference ? "first" : "source"] = row.first;
-    if (preference) one["second"] = row.second;
-    one[preference ? "preferred_first" : "judged_real"] = row.chosen;
-    json["rows"].push_back(std::move(one));
-  }
   for (const SkippedAnswers& file : tally.skipped) {
     json["skipped"].push_back({{"file", file.file}, {"reason", file.reason}});
   }
   return json;
 }
 
-std::string TallyToCsv(const SurveyTally& tally) {
-  const bool preference = tally.kind == SurveyKind::kPreference;
-  std::string csv = preference ? "first,second,label,preferred_first" : "source,label,judged_real";
-  csv += ",votes,share,wilson_low,wilson_high,bootstrap_low,bootstrap_high\n";
-  for (const TallyRow& row : tally.rows) {
-    csv += CsvCell(row.first) + "," + (preference ? CsvCell(row.second) + "," : "") + CsvCell(row.label) + "," +
-           std::to_string(row.chosen) + "," + std::to_string(row.votes) + "," +
-           (row.votes > 0 ? FixedText(row.share(), 4) : "") + "," + CsvNumbers(row.wilson) + "," +
-           CsvNumbers(row.bootstrap) + "\n";
-  }
-  return csv;
-}
+std::string TallyToCsv(const SurveyTally& tally) { return TableText(RowsJson(tally), false); }
+
+std::string DifferencesToCsv(const SurveyTally& tally) { return TableText(DifferencesJson(tally), false); }
 
 std::string TallyToMarkdown(const SurveyTally& tally) {
-  const bool preference = tally.kind == SurveyKind::kPreference;
-  std::string text = MarkdownIntroduction(tally);
-  text +=
-      preference ? "| first | second | label | preferred first | votes |" : "| source | label | judged real | votes |";
-  text += " share, % | Wilson 95 %, % | bootstrap 95 %, % |\n";
-  text += std::string(preference ? "|---|---|---|" : "|---|---|") + "---:|---:|---:|---:|---:|\n";
-  for (const TallyRow& row : tally.rows) {
-    text += "| " + MarkdownText(row.first) + (preference ? " | " + MarkdownText(row.second) : "") + " | " +
-            (row.label.empty() ? "all" : MarkdownText(row.label)) + " | " + std::to_string(row.chosen) + " | " +
-            std::to_string(row.votes) + " | " + (row.votes > 0 ? FixedText(100.0 * row.share(), 1) : "-") + " | " +
-            PercentCell(row.wilson) + " | " + PercentCell(row.bootstrap) + " |\n";
-  }
+  std::string text = MarkdownIntroduction(tally) + TableText(RowsJson(tally), true) + MarkdownDifferences(tally);
   if (!tally.skipped.empty()) text += "\nFiles that are not counted (--skip-bad):\n\n";
   for (const SkippedAnswers& file : tally.skipped) text += "- " + MarkdownText(file.reason) + "\n";
   return text;
 }
 
 std::string TallyToSvg(const SurveyTally& tally) {
-  const bool preference = tally.kind == SurveyKind::kPreference;
-  double left = 90.0, heads = 0.0;
-  for (const TallyRow& row : tally.rows) {
-    left = std::max(left, 20.0 + kTextWidth * static_cast<double>(row.label.size()));
-    if (row.label.empty()) heads += 1.0;
+  constexpr double kBar = 360.0, kRow = 30.0, kTop = 66.0;  // pixels
+  const bool ranking = tally.kind == SurveyKind::kRanking;
+  double left = 90.0, y = kTop;
+  for (const TallyRow& row : tally.rows) left = std::max(left, 24.0 + 6.8 * static_cast<double>(row.source.size()));
+  std::string svg;
+  const auto add_text = [&](double x, double at, const std::string& text, const char* anchor) {
+    svg += "<text x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(at) + "\" text-anchor=\"" + anchor + "\">" +
+           EscapeHtml(text) + "</text>\n";
+  };
+  const auto add_bar = [&](double x, double at, double width, double opacity) {
+    svg += "<rect x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(at) + "\" width=\"" + Coordinate(width) +
+           "\" height=\"16\" fill=\"#2563c9\" fill-opacity=\"" + FixedText(opacity, 2) + "\"/>\n";
+  };
+  const std::size_t ranks = tally.rows.front().ranks.size();
+  const auto opacity = [&](std::size_t rank) {
+    return 1.0 - 0.9 * static_cast<double>(rank) / static_cast<double>(ranks);
+  };
+  const std::string title = ranking ? "Shares of ranks" : "Share of votes that a motion is real";
+  add_text(10, 20, title, "start");
+  const std::size_t people = tally.participants.size();
+  add_text(10, 38,
+           people == 0 ? "There are no answers."
+                       : Counted(static_cast<long long>(people), "participant") +
+                             (ranking ? "" : "; whiskers: 95 % (Wilson), assuming independent votes"),
+           "start");
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
+    add_bar(left + 40.0 * static_cast<double>(rank), 46, 16, opacity(rank));
+    add_text(left + 20.0 + 40.0 * static_cast<double>(rank), 58, std::to_string(rank + 1), "start");
   }
-  const double height = kTop + kRowHeight * (static_cast<double>(tally.rows.size()) + heads) + 30.0;
-  const std::string title =
-      preference ? "Share of votes for the first of two sources (blue)" : "Share of votes that a motion is real (blue)";
-  const std::string people = tally.participants.empty()
-                                 ? "There are no answers."
-                                 : Counted(static_cast<long long>(tally.participants.size()), "participant") +
-                                       "; whiskers: 95 % (Wilson), assuming independent votes";
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Coordinate(left + kBarWidth + 130.0) +
-                    " " + Coordinate(height) + "\" role=\"img\" aria-label=\"" + EscapeHtml(title) + "\">\n" +
-                    kFigureStyle + "<rect width=\"100%\" height=\"100%\" class=\"page\"/>\n" +
-                    FigureText(10, 20, title, "start", "head") + FigureText(10, 38, people, "start", "soft");
-  double y = kTop;
   for (const TallyRow& row : tally.rows) {
-    if (row.label.empty()) {
-      svg +=
-          FigureText(left, y + 16, TallyHead(row) + (row.first == tally.real ? " (recordings)" : ""), "start", "head");
-      y += kRowHeight;
+    if (!row.label.empty()) continue;
+    add_text(left - 10, y + 13, row.source, "end");
+    double x = left;
+    for (std::size_t rank = 0; rank < ranks && row.votes > 0; ++rank) {
+      const double width = kBar * static_cast<double>(row.ranks[rank]) / static_cast<double>(row.votes);
+      add_bar(x, y, width, opacity(rank));
+      x += width;
     }
-    svg += BarOf(row, left, y + 0.5 * kRowHeight);
-    y += kRowHeight;
+    if (!ranking && row.shares[0].wilson) {
+      const double low = left + kBar * row.shares[0].wilson->low, high = left + kBar * row.shares[0].wilson->high;
+      add_bar(left, y, kBar * row.share(0), 0.6);
+      svg += SvgLine(low, y + 8, high, y + 8, "whisker") + SvgLine(low, y + 4, low, y + 12, "whisker") +
+             SvgLine(high, y + 4, high, y + 12, "whisker");
+      add_text(left + kBar + 10, y + 13, FixedText(100.0 * row.share(0), 0) + " %", "start");
+    }
+    y += kRow;
   }
-  svg += SvgLine(left + 0.5 * kBarWidth, kTop, left + 0.5 * kBarWidth, y + 4, "half");
   for (const auto& [share, text] : {std::pair(0.0, "0"), std::pair(0.5, "50 %"), std::pair(1.0, "100 %")}) {
-    svg += FigureText(left + kBarWidth * share, y + 20, text, "middle", "soft");
+    add_text(left + kBar * share, y + 12, text, "middle");
   }
-  return svg + "</svg>\n";
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Coordinate(left + kBar + 60.0) + " " +
+         Coordinate(y + 24.0) + "\" role=\"img\" aria-label=\"" + title +
+         "\">\n<style>text{font:12px system-ui,sans-serif;fill:#1c2127}.whisker{stroke:#1c2127;stroke-width:1.5}"
+         "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
+         svg + "</svg>\n";
 }
 
 }  // namespace mocurate
