@@ -61,15 +61,15 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 20, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 21, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ReviewDeclaration() { return {"review", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReviewDeclaration() { return {"review", 4, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration AnnotateDeclaration() { return {"annotate", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 5, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration SurveyDeclaration() { return {"survey", 3, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 8, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 9, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-video", ClipLimits()}; }
 
