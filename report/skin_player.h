@@ -122,7 +122,7 @@ const mocurateSkin = body => {
       pen.drawImage(canvas, 0, 0, width, height);
     };
     return {hz: motion.hz, step: 1, yaw: motion.yaw, pitch: motion.pitch, bones: [], lines: [], points: [],
-      joints: frames.map(frame => pose(frame).joints), sole, margin: 200, paint};
+      joints: frames.map(frame => pose(frame).joints), sole, margin: 120, paint};
   };
   return {clipOf};
 };

@@ -149,7 +149,7 @@ std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kRanking ? "
 
 Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
   if (Status sound = CheckSources(options, sources); !sound) return Forward(sound);
-  auto labels = LabelsToAsk(options, sources);
+  const auto labels = LabelsToAsk(options, sources);
   if (!labels) return Forward(labels);
   const std::vector<PlannedPage> pages = PlanPages(options, sources, *labels);
   std::map<std::pair<std::size_t, std::string>, std::size_t> needed;
@@ -177,9 +177,10 @@ Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<S
   key.kind = options.kind;
   key.real = options.kind == SurveyKind::kRealOrFake ? options.real : "";
   key.seed = options.seed;
-  key.labels = std::move(*labels);
   for (const SurveySource& source : sources) key.sources.push_back(source.name);
+  std::set<std::string> asked;
   for (const PlannedPage& page : pages) {
+    asked.insert(page.label);
     SurveyQuestion question{"q" + ZeroPadded(static_cast<int>(key.questions.size()) + 1, 3), page.label, {}};
     for (const std::size_t s : page.sources) {
       std::vector<std::string>& clips = left[{s, page.label}];
@@ -188,6 +189,7 @@ Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<S
     }
     key.questions.push_back(std::move(question));
   }
+  key.labels.assign(asked.begin(), asked.end());
   return key;
 }
 

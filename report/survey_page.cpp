@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
-#include <numeric>
 #include <set>
+#include <utility>
 
 #include "core/base/file.h"
 #include "core/base/random.h"
@@ -30,7 +31,6 @@ constexpr FrameRate kHighestRate{30, 1};  ///< keeps pages small
 constexpr double kShortQuestion = 1.0;    ///< seconds
 constexpr std::size_t kMostJoints = 64;   ///< of a skin: uniforms of a shader
 constexpr std::size_t kMostVertices = 65536;
-constexpr std::size_t kWeights = 4;
 
 /// Clips of each question, in the order of the page.
 using ShownClips = std::vector<std::vector<Clip>>;
@@ -43,23 +43,19 @@ void Append16(double value, std::string& bytes) {
 
 /// Four strongest weights of a vertex, of sum 255, then their joints.
 void AppendWeights(const double* weights, std::size_t joints, std::string& bytes) {
-  std::vector<std::size_t> order(joints);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const std::size_t count = std::min(kWeights, joints);
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                    [&](std::size_t a, std::size_t b) { return weights[a] > weights[b]; });
-  order.resize(kWeights, 0);
+  constexpr std::size_t kWeights = 4;
+  std::vector<std::pair<double, std::size_t>> strongest(std::max(joints, kWeights));
+  for (std::size_t j = 0; j < joints; ++j) strongest[j] = {weights[j], j};
+  std::partial_sort(strongest.begin(), strongest.begin() + kWeights, strongest.end(), std::greater<>());
   double sum = 0.0;
-  for (std::size_t k = 0; k < count; ++k) sum += weights[order[k]];
-  int left = 255;
-  std::array<int, kWeights> shares{};
-  for (std::size_t k = 1; k < count; ++k) {
-    shares[k] = static_cast<int>(std::lround(255.0 * weights[order[k]] / sum));
-    left -= shares[k];
+  for (std::size_t k = 0; k < kWeights; ++k) sum += strongest[k].first;
+  std::array<long, kWeights> shares{255, 0, 0, 0};
+  for (std::size_t k = 1; k < kWeights; ++k) {
+    shares[k] = std::lround(255.0 * strongest[k].first / sum);
+    shares[0] -= shares[k];
   }
-  shares[0] = left;
-  for (const int share : shares) bytes += static_cast<char>(share);
-  for (const std::size_t joint : order) bytes += static_cast<char>(joint);
+  for (const long share : shares) bytes += static_cast<char>(share);
+  for (std::size_t k = 0; k < kWeights; ++k) bytes += static_cast<char>(strongest[k].second);
 }
 
 /// The body of kSkinScript.

@@ -21,9 +21,9 @@ header, main, footer, .bar > div { max-width: 1300px; }
 .shown[data-rank]::after { content: attr(data-rank); position: absolute; top: 36px; left: 14px; min-width: 36px;
   border-radius: 18px; background: var(--after); color: var(--card); font: 600 20px/36px system-ui, sans-serif;
   text-align: center; }
-.choices { display: flex; flex-wrap: wrap; gap: 6px; margin-top: 6px; } .answer { flex: 1; padding: 2px 6px; }
+.choices { display: flex; flex-wrap: wrap; gap: 6px; margin-top: 6px; } .answer { flex: 1 1 40%; min-width: max-content; padding: 2px 6px; }
 .answer[aria-pressed=true] { border-color: var(--after); box-shadow: 0 0 0 1px var(--after) inset; font-weight: 600; }
-@media (max-width: 760px) { section { padding: 12px 8px; } .bar > div { padding: 0 14px; } .bar progress { display: none; }
+@media (max-width: 760px) { section { padding: 12px 8px; } .bar > div { padding: 0 14px; } .bar progress, .bar kbd { display: none; }
   .shown { padding: 4px; } .shown .player canvas { height: 190px; } .controls output { display: none; } }
 )css";
 
@@ -34,7 +34,7 @@ inline constexpr const char* kSurveyBody = R"html(<header>
 <div class="bar"><div><progress id="progress" value="0" aria-label="Questions answered"></progress>
 <span id="count"></span><button type="button" id="back">Back <kbd>b</kbd></button>
 <button type="button" id="next">Next <kbd>n</kbd></button>
-<button type="button" id="save">Save answers <kbd>s</kbd></button>
+<button type="button" id="save">Save <kbd>s</kbd></button>
 <span id="message" aria-live="polite"></span></div></div>
 <main id="main">
 <section id="no-webgl" hidden><h2>This browser cannot draw the bodies</h2>

@@ -207,7 +207,7 @@ std::string MarkdownIntroduction(const SurveyTally& tally) {
   }
   text += tally.kind == SurveyKind::kRanking
               ? "Rank 1 is the best. The shares are of votes for rank 1, and for ranks 1 and 2. "
-              : "The share is that of votes that a motion of the source is real; recordings are " +
+              : "The share is that of votes that a motion of the source is real; the recordings are those of " +
                     MarkdownText(tally.real) + ". ";
   text +=
       "Rows without a label are of all labels.\n\nWilson's 95 % interval assumes independent votes. Votes of one "
