@@ -65,7 +65,7 @@ Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& nam
 /// One person's answers: a file that the page saves, answers_PARTICIPANT.json.
 struct SurveyAnswers {
   std::string participant;  ///< 1 to 40 of A-Z a-z 0-9 _ -
-  /// Of each question, of each shown motion. Ranking: its rank, 1 is the best; real_or_fake: 1 real, 0 generated.
+  /// Of each question, of each shown motion. Ranking: its rank, 1 is the best; real_or_fake: 1 real, 2 generated.
   std::vector<std::vector<int>> values;
 };
 

@@ -113,7 +113,7 @@ Expected<std::vector<int>> ValuesOf(const Json& answer, SurveyKind kind, std::si
                                      std::find(values.begin(), values.end(), one.get<int>()) == values.end()
                                : one == "real" || one == "generated";
     if (!known) return refused();
-    values.push_back(ranking ? one.get<int>() : one == "real" ? 1 : 0);
+    values.push_back(ranking ? one.get<int>() : one == "real" ? 1 : 2);
   }
   return values;
 }

@@ -25,20 +25,30 @@ constexpr int kSignDraws = 10000;
 using TableJson = nlohmann::ordered_json;  // columns of tables in this order
 using Cells = std::vector<std::string>;
 
-/// One participant's votes in a row.
-struct OwnVotes {
-  std::vector<std::int64_t> chosen;  ///< of each share
-  std::int64_t votes = 0;
-  std::int64_t sum = 0;  ///< of ranks, or of motions judged real
+/// TallyRow::counts of one participant, or of all.
+using Counts = std::vector<std::int64_t>;
 
-  double mean() const { return static_cast<double>(sum) / static_cast<double>(std::max<std::int64_t>(1, votes)); }
-};
+std::int64_t SumOfFirst(const Counts& counts, std::size_t number) {
+  return std::accumulate(counts.begin(), counts.begin() + static_cast<std::ptrdiff_t>(number), std::int64_t{0});
+}
+void Add(const Counts& counts, Counts& sum) {
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += counts[i];
+}
+std::int64_t Sum(const Counts& counts) { return SumOfFirst(counts, counts.size()); }
 
-/// Counts the votes of each participant, and those of all in the row.
-std::vector<OwnVotes> Count(const SurveyKey& key, const std::vector<SurveyAnswers>& answers, TallyRow& row) {
-  row.shares.resize(ShareNames(key.kind).size());
-  if (key.kind == SurveyKind::kRanking) row.ranks.resize(key.sources.size());
-  std::vector<OwnVotes> people(answers.size(), {std::vector<std::int64_t>(row.shares.size()), 0, 0});
+double ShareOfFirst(const Counts& counts, std::size_t number) {
+  return static_cast<double>(SumOfFirst(counts, number)) / static_cast<double>(std::max<std::int64_t>(1, Sum(counts)));
+}
+
+double MeanRank(const Counts& counts) {
+  double mean = 0.0;
+  for (std::size_t rank = 0; rank < counts.size(); ++rank) mean += 1.0 - ShareOfFirst(counts, rank);
+  return mean;
+}
+
+/// Counts of each participant.
+std::vector<Counts> CountsOf(const SurveyKey& key, const std::vector<SurveyAnswers>& answers, const TallyRow& row) {
+  std::vector<Counts> people(answers.size(), Counts(key.real.empty() ? key.sources.size() : 2));
   for (std::size_t q = 0; q < key.questions.size(); ++q) {
     const SurveyQuestion& question = key.questions[q];
     if (!row.label.empty() && question.label != row.label) continue;
@@ -46,36 +56,23 @@ std::vector<OwnVotes> Count(const SurveyKey& key, const std::vector<SurveyAnswer
       const std::string& source = question.shown[i].source;
       if (row.source == kAllGenerated ? source == key.real : source != row.source) continue;
       for (std::size_t person = 0; person < people.size(); ++person) {
-        const int value = answers[person].values[q][i];
-        ++row.votes;
-        ++people[person].votes;
-        people[person].sum += value;
-        if (!row.ranks.empty()) ++row.ranks[static_cast<std::size_t>(value - 1)];
-        for (std::size_t k = 0; k < row.shares.size(); ++k) {
-          const bool counts = row.ranks.empty() ? value == 1 : value <= static_cast<int>(k) + 1;
-          people[person].chosen[k] += counts ? 1 : 0;
-          row.shares[k].chosen += counts ? 1 : 0;
-        }
+        ++people[person][static_cast<std::size_t>(answers[person].values[q][i] - 1)];
       }
     }
   }
   return people;
 }
 
-std::optional<ShareInterval> BootstrapInterval(const std::vector<OwnVotes>& people, std::size_t share,
-                                               std::int64_t seed, const std::string& item) {
+std::optional<ShareInterval> BootstrapInterval(const std::vector<Counts>& people, std::size_t number, std::int64_t seed,
+                                               const std::string& item) {
   if (people.size() < kFewestForBootstrap) return std::nullopt;
   Random random(static_cast<std::uint64_t>(seed), "survey bootstrap", item);
   std::vector<double> shares;
   for (int i = 0; i < kResamples; ++i) {
-    std::int64_t chosen = 0, votes = 0;
-    for (std::size_t k = 0; k < people.size(); ++k) {
-      const OwnVotes& drawn = people[random.Below(people.size())];
-      chosen += drawn.chosen[share];
-      votes += drawn.votes;
-    }
-    if (votes == 0) return std::nullopt;
-    shares.push_back(static_cast<double>(chosen) / static_cast<double>(votes));
+    Counts sum(people.front().size());
+    for (std::size_t k = 0; k < people.size(); ++k) Add(people[random.Below(people.size())], sum);
+    if (Sum(sum) == 0) return std::nullopt;
+    shares.push_back(ShareOfFirst(sum, number));
   }
   return ShareInterval{Quantile(shares, 0.025), Quantile(shares, 0.975)};
 }
@@ -169,13 +166,13 @@ TableJson RowsJson(const SurveyTally& tally) {
     TableJson one = {{"source", row.source},
                      {"label", row.label.empty() ? TableJson() : TableJson(row.label)},
                      {"votes", row.votes}};
-    if (!row.ranks.empty()) {
-      one["ranks"] = row.ranks;
-      one["mean_rank"] = NumberJson(row.votes > 0, row.mean_rank());
+    if (tally.kind == SurveyKind::kRanking) {
+      one["ranks"] = row.counts;
+      one["mean_rank"] = NumberJson(row.votes > 0, row.mean_rank);
     }
     for (std::size_t k = 0; k < names.size(); ++k) {
       one[names[k]] = {{"votes", row.shares[k].chosen},
-                       {"share", NumberJson(row.votes > 0, row.share(k))},
+                       {"share", NumberJson(row.votes > 0, row.shares[k].share)},
                        {"wilson_95", IntervalJson(row.shares[k].wilson)},
                        {"bootstrap_95", IntervalJson(row.shares[k].bootstrap)}};
     }
@@ -236,12 +233,6 @@ std::string MarkdownDifferences(const SurveyTally& tally) {
 
 }  // namespace
 
-double TallyRow::mean_rank() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < ranks.size(); ++i) sum += static_cast<double>(i + 1) * static_cast<double>(ranks[i]);
-  return sum / static_cast<double>(std::max<std::int64_t>(1, votes));
-}
-
 std::vector<std::string> ShareNames(SurveyKind kind) {
   if (kind == SurveyKind::kRanking) return {"first", "first_two"};
   return {"judged_real"};
@@ -263,20 +254,27 @@ SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& 
   std::vector<std::string> sources = key.sources, labels = key.labels;
   if (!key.real.empty() && key.sources.size() > 2) sources.emplace_back(kAllGenerated);
   labels.insert(labels.begin(), "");
-  std::map<std::string, std::vector<OwnVotes>> votes_of;  // over all labels
+  std::map<std::string, std::vector<double>> scores;  // of each participant over all labels
   for (const std::string& source : sources) {
     for (const std::string& label : labels) {
       TallyRow row;
       row.source = source;
       row.label = label;
-      const std::vector<OwnVotes> people = Count(key, answers, row);
-      for (std::size_t k = 0; k < row.shares.size(); ++k) {
-        row.shares[k].wilson = WilsonInterval(row.shares[k].chosen, row.votes);
-        row.shares[k].bootstrap =
-            BootstrapInterval(people, k, key.seed, source + "\n" + label + "\n" + std::to_string(k));
+      const std::vector<Counts> people = CountsOf(key, answers, row);
+      row.counts.resize(key.real.empty() ? key.sources.size() : 2);
+      for (const Counts& counts : people) {
+        Add(counts, row.counts);
+        if (label.empty()) scores[source].push_back(key.real.empty() ? MeanRank(counts) : ShareOfFirst(counts, 1));
+      }
+      row.votes = Sum(row.counts);
+      row.mean_rank = MeanRank(row.counts);
+      for (std::size_t number = 1; number <= ShareNames(key.kind).size(); ++number) {
+        const std::int64_t chosen = SumOfFirst(row.counts, number);
+        row.shares.push_back(
+            {chosen, ShareOfFirst(row.counts, number), WilsonInterval(chosen, row.votes),
+             BootstrapInterval(people, number, key.seed, source + "\n" + label + "\n" + std::to_string(number))});
       }
       tally.rows.push_back(std::move(row));
-      if (label.empty()) votes_of[source] = people;
     }
   }
   for (std::size_t a = 0; a < sources.size(); ++a) {
@@ -285,7 +283,7 @@ SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& 
       TallyDifference one{sources[a], sources[b], 0.0, {}, {}};
       std::vector<double> differences;
       for (std::size_t i = 0; i < answers.size(); ++i) {
-        differences.push_back(votes_of[one.first][i].mean() - votes_of[one.second][i].mean());
+        differences.push_back(scores[one.first][i] - scores[one.second][i]);
         one.difference += differences.back() / static_cast<double>(answers.size());
       }
       one.p = SignFlipTest(differences, key.seed, one.first + "\n" + one.second);
@@ -339,7 +337,7 @@ std::string TallyToSvg(const SurveyTally& tally) {
     svg += "<rect x=\"" + Coordinate(x) + "\" y=\"" + Coordinate(at) + "\" width=\"" + Coordinate(width) +
            "\" height=\"16\" fill=\"#2563c9\" fill-opacity=\"" + FixedText(opacity, 2) + "\"/>\n";
   };
-  const std::size_t ranks = tally.rows.front().ranks.size();
+  const std::size_t ranks = ranking ? tally.rows.front().counts.size() : 0;
   const auto opacity = [&](std::size_t rank) {
     return 1.0 - 0.9 * static_cast<double>(rank) / static_cast<double>(ranks);
   };
@@ -360,16 +358,16 @@ std::string TallyToSvg(const SurveyTally& tally) {
     add_text(left - 10, y + 13, row.source, "end");
     double x = left;
     for (std::size_t rank = 0; rank < ranks && row.votes > 0; ++rank) {
-      const double width = kBar * static_cast<double>(row.ranks[rank]) / static_cast<double>(row.votes);
+      const double width = kBar * static_cast<double>(row.counts[rank]) / static_cast<double>(row.votes);
       add_bar(x, y, width, opacity(rank));
       x += width;
     }
     if (!ranking && row.shares[0].wilson) {
       const double low = left + kBar * row.shares[0].wilson->low, high = left + kBar * row.shares[0].wilson->high;
-      add_bar(left, y, kBar * row.share(0), 0.6);
+      add_bar(left, y, kBar * row.shares[0].share, 0.6);
       svg += SvgLine(low, y + 8, high, y + 8, "whisker") + SvgLine(low, y + 4, low, y + 12, "whisker") +
              SvgLine(high, y + 4, high, y + 12, "whisker");
-      add_text(left + kBar + 10, y + 13, FixedText(100.0 * row.share(0), 0) + " %", "start");
+      add_text(left + kBar + 10, y + 13, FixedText(100.0 * row.shares[0].share, 0) + " %", "start");
     }
     y += kRow;
   }

@@ -22,6 +22,7 @@ std::optional<ShareInterval> WilsonInterval(std::int64_t chosen, std::int64_t vo
 /// Votes of which some count.
 struct VoteShare {
   std::int64_t chosen = 0;
+  double share = 0.0;  ///< 0 without votes
   std::optional<ShareInterval> wilson;
   std::optional<ShareInterval> bootstrap;  ///< over participants; nothing for fewer than three
 };
@@ -31,13 +32,9 @@ struct TallyRow {
   std::string source;  ///< or kAllGenerated
   std::string label;   ///< empty: all labels
   std::int64_t votes = 0;
-  std::vector<std::int64_t> ranks;  ///< ranking: votes for the ranks 1 to N
-  std::vector<VoteShare> shares;    ///< of each of ShareNames
-
-  double share(std::size_t k) const {
-    return votes > 0 ? static_cast<double>(shares[k].chosen) / static_cast<double>(votes) : 0.0;
-  }
-  double mean_rank() const;
+  std::vector<std::int64_t> counts;  ///< of votes: for the ranks 1 to N, or for real and generated
+  double mean_rank = 0.0;
+  std::vector<VoteShare> shares;  ///< of each of ShareNames
 };
 
 /// Row of all sources of real or fake but the recordings, where there are two or more.

@@ -162,12 +162,12 @@ TEST(SurveyTally, RanksCountForTheSourceAtWhicheverPlaceItStands) {
   ASSERT_EQ(tally.rows.size(), 9u) << "three sources with all labels and each of two";
   const TallyRow& a = tally.rows[0];
   EXPECT_EQ(a.source + a.label, "A");
-  EXPECT_THAT(a.ranks, ElementsAre(3, 1, 0));
-  EXPECT_EQ(a.mean_rank(), 1.25);
-  EXPECT_EQ(a.share(0), 0.75);
-  EXPECT_EQ(a.share(1), 1.0);
+  EXPECT_THAT(a.counts, ElementsAre(3, 1, 0));
+  EXPECT_EQ(a.mean_rank, 1.25);
+  EXPECT_EQ(a.shares[0].share, 0.75);
+  EXPECT_EQ(a.shares[1].share, 1.0);
   EXPECT_FALSE(a.shares[0].bootstrap) << "two participants";
-  EXPECT_THAT(tally.rows[7].ranks, ElementsAre(1, 0, 1)) << "C in throw";
+  EXPECT_THAT(tally.rows[7].counts, ElementsAre(1, 0, 1)) << "C in throw";
   EXPECT_THAT(TallyToCsv(tally), HasSubstr("\nA,throw,2,1,1,0,1.5000,1,0.5000,0.0945,0.9055,,,2,1.0000,"));
   ASSERT_EQ(tally.differences.size(), 3u);
   EXPECT_EQ(tally.differences[1].first + tally.differences[1].second, "AC");
@@ -180,12 +180,12 @@ TEST(SurveyTally, RanksCountForTheSourceAtWhicheverPlaceItStands) {
 }
 
 TEST(SurveyTally, JudgementsCountForEachSourceAndForAllGenerated) {
-  const SurveyTally tally = TallySurvey(JudgedKey(), {{"p1", {{1, 1, 0}, {0, 0, 1}}}, {"p2", {{1, 0, 0}, {0, 1, 0}}}});
+  const SurveyTally tally = TallySurvey(JudgedKey(), {{"p1", {{1, 1, 2}, {2, 2, 1}}}, {"p2", {{1, 2, 2}, {2, 1, 2}}}});
   ASSERT_EQ(tally.rows.size(), 12u);
-  EXPECT_EQ(tally.rows[0].share(0), 0.75) << "A";
+  EXPECT_EQ(tally.rows[0].shares[0].share, 0.75) << "A";
   EXPECT_EQ(tally.rows[9].source, kAllGenerated);
   EXPECT_EQ(tally.rows[9].votes, 8);
-  EXPECT_EQ(tally.rows[9].share(0), 0.25);
+  EXPECT_EQ(tally.rows[9].shares[0].share, 0.25);
   ASSERT_EQ(tally.differences.size(), 4u) << "three pairs, and real with all generated";
   EXPECT_EQ(tally.differences[2].second, kAllGenerated);
   EXPECT_EQ(tally.differences[2].difference, 0.5);
@@ -206,7 +206,7 @@ TEST(SurveyTally, ParticipantsWhoAlwaysAgreeWithThemselvesWidenTheBootstrapBeyon
   }
   const SurveyTally tally = TallySurvey(key, answers);
   const VoteShare& first = tally.rows[0].shares[0];
-  EXPECT_EQ(tally.rows[0].share(0), 0.5);
+  EXPECT_EQ(tally.rows[0].shares[0].share, 0.5);
   ASSERT_TRUE(first.bootstrap);
   EXPECT_GT(first.bootstrap->high - first.bootstrap->low, 1.4 * (first.wilson->high - first.wilson->low));
   EXPECT_EQ(TallyToJson(tally), TallyToJson(TallySurvey(key, answers)));
@@ -222,7 +222,7 @@ std::vector<SurveyAnswers> Simulated(const SurveyKey& key, const std::map<std::s
       std::vector<double> seen;
       for (const ShownMotion& shown : question.shown) {
         const double own = quality.at(shown.source);
-        seen.push_back(key.kind == SurveyKind::kRanking ? own + random.Normal() : random.Uniform() < own ? 1.0 : 0.0);
+        seen.push_back(key.kind == SurveyKind::kRanking ? own + random.Normal() : random.Uniform() < own ? 1.0 : 2.0);
       }
       std::vector<int> values;
       for (const double value : seen) {
@@ -261,8 +261,8 @@ TEST(SurveyTally, TwentySimulatedPeopleGiveBackTheirPreferences) {
       EXPECT_GE(own.bootstrap->high, share) << tally.rows[row].source << k;
     }
   }
-  EXPECT_LT(tally.rows[0].mean_rank(), tally.rows[11].mean_rank());
-  EXPECT_LT(tally.rows[22].mean_rank(), tally.rows[33].mean_rank());
+  EXPECT_LT(tally.rows[0].mean_rank, tally.rows[11].mean_rank);
+  EXPECT_LT(tally.rows[22].mean_rank, tally.rows[33].mean_rank);
   EXPECT_LT(*DifferenceOf(tally, "good", "fair").holm, 0.001);
   EXPECT_LT(*DifferenceOf(tally, "same", "poor").holm, 0.001);
   EXPECT_GT(*DifferenceOf(tally, "fair", "same").p, 0.05);
@@ -320,7 +320,7 @@ TEST(SurveyFiles, WhatWasEditedIsRefusedWithItsPlace) {
   ASSERT_TRUE(read) << read.error().Message();
   EXPECT_THAT(read->values[1], ElementsAre(3, 1, 2));
   const nlohmann::json words = good_answers(judged, {"real", "generated", "generated"});
-  EXPECT_THAT(ReadSurveyAnswers(words.dump(), "a.json", judged)->values[1], ElementsAre(1, 0, 0));
+  EXPECT_THAT(ReadSurveyAnswers(words.dump(), "a.json", judged)->values[1], ElementsAre(1, 2, 2));
   EXPECT_EQ(ReadSurveyAnswers(words.dump(), "a.json", key).error().where, "a.json: /survey") << "of another survey";
 
   const auto refused = [&](const nlohmann::json& patch, ErrorCode code, const std::string& place) {
@@ -570,7 +570,7 @@ TEST(SurveyInABrowser, RankingsByKeysAndByTouchAreKeptSavedAndCounted) {
   EXPECT_EQ(answers->participant, "reader_1");
   const SurveyTally tally = TallySurvey(key, {*answers});
   EXPECT_EQ(tally.rows[0].source, kOurs);
-  EXPECT_THAT(tally.rows[0].ranks, ElementsAre(3, 1));
+  EXPECT_THAT(tally.rows[0].counts, ElementsAre(3, 1));
 }
 
 TEST(SurveyInABrowser, SkinnedBodiesAreJudgedByKeysAndByTouch) {
@@ -619,7 +619,7 @@ TEST(SurveyInABrowser, SkinnedBodiesAreJudgedByKeysAndByTouch) {
   const int first_is_real = key.questions[0].shown[0].source == kTheirs ? 1 : 0;
   const SurveyTally tally = TallySurvey(key, {*answers});
   EXPECT_EQ(tally.rows[3].source, kTheirs);
-  EXPECT_EQ(tally.rows[3].share(0), 1.0);
+  EXPECT_EQ(tally.rows[3].shares[0].share, 1.0);
   EXPECT_EQ(tally.rows[0].shares[0].chosen, 1 - first_is_real);
 
   ASSERT_TRUE(survey.Make());
