@@ -95,25 +95,34 @@ void AddSurvey(const CommandLine& line) {
   survey->require_subcommand(1);
   auto making = std::make_shared<SurveyMakeArguments>();
   CLI::App* make = survey->add_subcommand("make", "An offline page of questions, and the key to its answers");
-  make->add_option("kind", making->kind,
-                   "preference: which of two sources' motions looks more like the action; real_or_fake: whether a "
-                   "motion was recorded")
+  make->add_option(
+          "kind", making->kind,
+          "ranking: one motion of each source (2 to 9) is ranked by quality and fit to the label; real_or_fake: "
+          "each motion of a page is judged as recorded or generated")
       ->required()
-      ->check(CLI::IsMember({"preference", "real_or_fake"}));
+      ->check(CLI::IsMember({"ranking", "real_or_fake"}));
   AddRepeated(make, "--motions", making->motions,
               "motions of a source: a dataset or MotionSet, or a file or folder as for eval; once per source")
       ->required()
       ->type_name("NAME=FILE");
   make->add_option("--real", making->real, "with real_or_fake: the source of recordings (default: real)");
   make->add_option("--questions", making->questions,
-                   "number of questions (default: as many as possible with the motions, at most 40)")
+                   "number of pages (default: ranking: one for each label, at most 40; real_or_fake: 12)")
       ->check(CLI::Range(1, 1000));
-  make->add_option("--seed", making->seed, "seed of all draws: motions, their order and sides")
+  make->add_option("--clips", making->clips, "with real_or_fake: motions of a page (default: 6)")
+      ->check(CLI::Range(1, 9));
+  make->add_option("--figure", making->figure,
+                   "draw a skinned body or bones (default: skin with real_or_fake or --body, else bones)")
+      ->check(CLI::IsMember({"skin", "bones"}));
+  make->add_option("--body", making->body,
+                   "body of the skin: SMPL_NEUTRAL.pkl, body_cc0.h5 (default: below MOCURATE_WEIGHTS)");
+  make->add_option("--seed", making->seed, "seed of all draws: motions, their order, places and windows")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9000000000000000}))
       ->capture_default_str();
   AddRepeated(make, "--label", making->ask,
               "ask about this label; may be repeated (default: all labels that every source has)");
-  make->add_option("--seconds", making->seconds, "shown seconds of each motion, from its begin, at most")
+  make->add_option("--seconds", making->seconds,
+                   "shown seconds of each motion at most; all of a page last as long as its shortest")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
   AddRepeated(make, "--labels", making->labels,
@@ -126,15 +135,20 @@ void AddSurvey(const CommandLine& line) {
   make->footer(
       "The page works without a network and names no source; it saves answers_PARTICIPANT.json (docs/surveys.md).\n\n"
       "Examples:\n"
-      "  mocurate survey make preference --motions ours=ours.h5 --motions GRU=gru.h5 --questions 30 -o survey\n"
+      "  mocurate survey make ranking --motions real=runs/humanact12/dataset.h5 --motions ours=ours.h5 \\\n"
+      "    --motions GRU=gru.h5 -o survey\n"
+      "  mocurate survey make real_or_fake --motions real=smpl.h5 --motions ours=ours_smpl.h5 --seconds 3 -o survey\n"
       "  mocurate survey make real_or_fake --motions real=runs/kard/dataset.h5 --motions ours=ours.h5 --label walk \\\n"
-      "    --label throw --seconds 3 -o survey");
+      "    --questions 2 --clips 4 --figure bones -o survey");
   line.Calls(make, SurveyMakeVerb, making);
   auto counting = std::make_shared<SurveyTallyArguments>();
-  CLI::App* tally = survey->add_subcommand("tally", "Count answers: shares of votes with 95 % intervals, and a figure");
+  CLI::App* tally =
+      survey->add_subcommand("tally", "Count answers: shares with 95 % intervals, tests of differences, a figure");
   tally->add_option("key", counting->key, "key.json of the survey")->required();
   tally->add_option("answers", counting->answers, "answers_PARTICIPANT.json of each participant");
-  tally->add_option("-o,--output", counting->output, "folder for tally.json, tally.csv, tally.md and figure.svg")
+  tally
+      ->add_option("-o,--output", counting->output,
+                   "folder for tally.json, tally.csv, differences.csv, tally.md and figure.svg")
       ->required();
   tally->add_flag("--skip-bad", counting->skip_bad,
                   "skip files that are edited, incomplete or from another survey, with a warning");

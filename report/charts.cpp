@@ -232,7 +232,9 @@ Drawing BarChart::Draw() const {
   }
   std::vector<std::pair<std::string, Colour>> names;
   for (const BarPart& part : legend) names.emplace_back(part.name, part.colour);
-  drawing.height = DrawLegend(names, left, y, kBar, drawing) + 2.0;
+  y = DrawLegend(names, left, y, kBar, drawing);
+  if (!note.empty()) drawing.Text(8.0, y += 18.0, note, kText, TextAnchor::kStart, kQuietColour);
+  drawing.height = y + (note.empty() ? 2.0 : 8.0);
   return drawing;
 }
 

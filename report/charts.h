@@ -31,6 +31,7 @@ struct BarChart {
   std::vector<Row> rows{};
   double full = 0.0;  ///< value of a full bar; 0: of the longest row
   std::vector<BarPart> legend{};
+  std::string note{};  ///< below the bars
 
   Drawing Draw() const;
 };

@@ -24,14 +24,16 @@ void AnnotateOptions::Declare(OptionVisitor& v) {
 }
 
 void SurveyOptions::Declare(OptionVisitor& v) {
-  v.Choice("kind", kind, {{"preference", SurveyKind::kPreference}, {"real_or_fake", SurveyKind::kRealOrFake}},
-           "question: which of two motions looks more like the action, or whether one was recorded");
+  v.Choice("kind", kind, {{"ranking", SurveyKind::kRanking}, {"real_or_fake", SurveyKind::kRealOrFake}},
+           "question: the rank of each source's motion of a label, or whether each motion was recorded");
   v.Text("real", real, "source whose motions are recordings");
-  v.Integer("questions", questions, {0.0, 1000.0}, "number of questions; 0: as many as the motions allow, at most 40");
+  v.Integer("questions", questions, {0.0, 1000.0},
+            "number of pages; 0: ranking: one for each label, at most 40; real_or_fake: 12");
+  v.Integer("clips", clips, {1.0, 9.0}, "motions of a page of real_or_fake");
   v.Integer("seed", seed, {0.0, 9.0e15}, "random seed of all draws");
   v.Texts("labels", labels, "labels of the questions; empty: all that every source has");
   v.Number("seconds", seconds, Unit::kSecond, {0.1, 60.0},
-           "maximum duration of each motion; later frames are not shown");
+           "maximum duration of each motion; longer ones are cut at a random place");
 }
 
 void ClipPageOptions::Declare(OptionVisitor& v) {
@@ -77,9 +79,9 @@ StageDeclaration ReportDeclaration() { return {"report", 21, "mocurate-annotate"
 
 StageDeclaration ReviewDeclaration() { return {"review", 4, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration AnnotateDeclaration() { return {"annotate", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 5, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration SurveyDeclaration() { return {"survey", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration SurveyDeclaration() { return {"survey", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 9, "mocurate-annotate", ClipLimits()}; }
 

@@ -35,13 +35,14 @@ struct AnnotateOptions {
   void Declare(OptionVisitor& v);
 };
 
-enum class SurveyKind { kPreference, kRealOrFake };
+enum class SurveyKind { kRanking, kRealOrFake };
 
 /// Options of the survey page.
 struct SurveyOptions {
-  SurveyKind kind = SurveyKind::kPreference;
+  SurveyKind kind = SurveyKind::kRanking;
   std::string real = "real";        ///< source whose motions are recordings
-  std::int64_t questions = 0;       ///< 0: as many as the motions allow, at most 40
+  std::int64_t questions = 0;       ///< pages; 0: ranking: one for each label, at most 40; real_or_fake: 12
+  std::int64_t clips = 6;           ///< motions of a page of real_or_fake
   std::int64_t seed = 1;            ///< of every draw
   std::vector<std::string> labels;  ///< of the questions; empty: all that every source has
   double seconds = 10.0;            ///< of each motion, maximum

@@ -72,7 +72,8 @@ summary { cursor: pointer; font-size: 14px; color: var(--soft); }
 /// mocuratePlayer(root, clip) creates one and returns {frame(), show(frame), toggle(), pause(), draw()}. Beside the
 /// fields of PlayerData, `clip` may have: thinned, the frames from one row of joints to the next (poses between are
 /// interpolated), and count, the number of frames; zero_s, the time of the first; follow, the root stays in the middle;
-/// speed, 1 as recorded; away, not drawn; moved(frame), called after every draw.
+/// speed, 1 as recorded; away, not drawn; moved(frame), called after every draw. A clip with paint(pen, frame, seen) is
+/// painted by it instead of bones; margin and sole are how far its body goes beyond the joints, around and below, mm.
 inline constexpr const char* kPlayerScript = R"js(
 'use strict';
 const mocuratePlayer = (() => {
@@ -89,7 +90,8 @@ const mocuratePlayer = (() => {
     });
     if (!isFinite(low[0])) return {centre: [0, 0, 0], radius: 1000, floor: 0};
     const centre = low.map((v, i) => (v + high[i]) / 2);
-    return {centre, radius: Math.max(300, Math.hypot(...low.map((v, i) => (high[i] - v) / 2))), floor: low[1]};
+    const radius = Math.max(300, Math.hypot(...low.map((v, i) => (high[i] - v) / 2))) + (clip.margin || 0);
+    return {centre, radius, floor: low[1] - (clip.sole || 0)};
   };
 
   const build = (root, clip) => {
@@ -150,7 +152,9 @@ const mocuratePlayer = (() => {
         pen.lineWidth = 1.5;
         for (const [a, b] of clip.lines) stroke(at(points, a), at(points, b));
       }
-      if (joints) {
+      if (clip.paint) {
+        clip.paint(pen, frame, {width, height, ratio, scale, view, centre});
+      } else if (joints) {
         pen.lineWidth = 3;
         for (const [a, b, side] of clip.bones) {
           pen.strokeStyle = style(side > 0 ? '--left' : side < 0 ? '--right' : '--after');
@@ -177,7 +181,7 @@ const mocuratePlayer = (() => {
 
     const tick = now => {
       if (!view.playing) return;
-      view.frame += (now - view.last) / 1000 * clip.hz / clip.step * (clip.speed || 1);
+      view.frame += Math.max(0, now - view.last) / 1000 * clip.hz / clip.step * (clip.speed || 1);
       view.last = now;
       if (view.frame > frames - 1) view.frame = 0;
       draw();

@@ -33,9 +33,11 @@ Expected<StageOutcome> MotionVideoStage(const StageRequest& request);
 /// clips are skipped and counted.
 Expected<StageOutcome> ReviewStage(const StageRequest& request);
 
-/// Inputs of role "motions": datasets or MotionSets, each named by its source -> the page. The summary has the key
-/// ("key"), what was shown and what may reveal sources ("notes"). Motions are shown at the lowest rate of all, for at
-/// most options.seconds from their begin. Errors: those of DrawSurvey and of reading.
+/// Inputs: role "motions", datasets or MotionSets, each named by its source; role "body", a skin to draw the motions
+/// with instead of bones -> the page. The summary has the key ("key"), what was shown and what may reveal sources
+/// ("notes"). All motions have the lowest rate of all, at most 30 Hz, and those of a question last as long as its
+/// shortest, at most options.seconds. Errors: those of DrawSurvey, ReadSkin and of reading; kUnsupported for a motion
+/// without rotations where there is a body.
 Expected<StageOutcome> SurveyStage(const StageRequest& request);
 
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <set>
 #include <utility>
 
@@ -15,26 +14,19 @@
 namespace mocurate {
 namespace {
 
-constexpr std::size_t kUsualQuestions = 40;
+constexpr std::size_t kMostRanked = 9;         // one digit key each
+constexpr std::size_t kUsualRankings = 40;     // at most, without a number
+constexpr std::size_t kUsualPagesOfReal = 12;  // Action2Motion, figure 5: 72 motions
 
-/// One item of a round: a pair of sources or one source, with a label.
-struct SurveyCell {
-  std::vector<std::size_t> sources;  ///< indices of the sources
-  std::string sources_name;          ///< theirs, one a line
-  std::string label;                 ///< what is asked about
-  std::vector<std::vector<std::string>>
-      motions;                ///< of each of the sources, clips in the order in which they are shown
-  std::size_t questions = 0;  ///< maximum that the motions allow
+/// Motions of one label, by their sources.
+struct PlannedPage {
+  std::string label;
+  std::vector<std::size_t> sources;
 };
 
-void Shuffle(Random random, std::vector<std::size_t>& values) {
+template <class T>
+void Shuffle(Random random, std::vector<T>& values) {
   for (std::size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.Below(i)]);
-}
-
-std::vector<std::size_t> Counting(std::size_t count) {
-  std::vector<std::size_t> values(count);
-  std::iota(values.begin(), values.end(), std::size_t{0});
-  return values;
 }
 
 Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
@@ -46,35 +38,36 @@ Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource
     }
     names.push_back(source.name);
   }
-  if (names.size() < 2) {
+  const bool ranking = options.kind == SurveyKind::kRanking;
+  if (names.size() < 2 || (ranking && names.size() > kMostRanked)) {
     return Fail(ErrorCode::kUsage,
-                Counted(static_cast<long long>(names.size()), "source") + ", at least 2 are required", "--motions",
-                "--motions NAME=FILE --motions NAME=FILE");
+                Counted(static_cast<long long>(names.size()), "source") +
+                    (ranking ? ", a ranking has 2 to 9" : ", at least 2 are required"),
+                "--motions", "--motions NAME=FILE --motions NAME=FILE");
   }
-  if (options.kind == SurveyKind::kRealOrFake && std::find(names.begin(), names.end(), options.real) == names.end()) {
+  if (!ranking && std::find(names.begin(), names.end(), options.real) == names.end()) {
     return Fail(ErrorCode::kUsage, "no source has the name '" + options.real + "' of the recordings", "--real",
                 "the sources are: " + JoinTexts(names) + "; set --real to that of the recordings");
   }
   return {};
 }
 
-/// Labels that every source has, in the order of their names, or those of `options` among them.
+/// Labels that every source has, in the order of their names, or those of `options`.
 Expected<std::vector<std::string>> LabelsToAsk(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
-  std::map<std::string, std::size_t> sources_with;
+  std::map<std::string, std::set<std::string>> sources_with;
   for (const SurveySource& source : sources) {
-    std::set<std::string> labels;
-    for (const SurveySource::Motion& motion : source.motions) labels.insert(motion.label);
-    labels.erase("");
-    if (labels.empty()) {
-      return Fail(ErrorCode::kInconsistent,
-                  "none of its " + Counted(static_cast<long long>(source.motions.size()), "motion") + " has a label",
-                  source.name, "use motions with labels: a dataset, or --labels FILE");
+    for (const SurveySource::Motion& motion : source.motions) sources_with[motion.label].insert(source.name);
+    if (std::any_of(source.motions.begin(), source.motions.end(), [](const auto& m) { return !m.label.empty(); })) {
+      continue;
     }
-    for (const std::string& label : labels) ++sources_with[label];
+    return Fail(ErrorCode::kInconsistent,
+                "none of its " + Counted(static_cast<long long>(source.motions.size()), "motion") + " has a label",
+                source.name, "use motions with labels: a dataset, or --labels FILE");
   }
+  sources_with.erase("");
   std::vector<std::string> common;
-  for (const auto& [label, count] : sources_with) {
-    if (count == sources.size()) common.push_back(label);
+  for (const auto& [label, names] : sources_with) {
+    if (names.size() == sources.size()) common.push_back(label);
   }
   if (common.empty()) {
     return Fail(ErrorCode::kInconsistent, "the sources have no label in common", "--motions",
@@ -83,103 +76,120 @@ Expected<std::vector<std::string>> LabelsToAsk(const SurveyOptions& options, con
   if (options.labels.empty()) return common;
   std::vector<std::string> chosen;
   for (const std::string& label : options.labels) {
-    if (std::find(common.begin(), common.end(), label) == common.end()) {
-      return Fail(ErrorCode::kUsage, "not every source has motions of the label '" + label + "'", "--label",
-                  NearestOfAll(label, common, "all have: "));
+    for (const SurveySource& source : sources) {
+      if (sources_with[label].count(source.name) > 0) continue;
+      return Fail(ErrorCode::kUsage, "source '" + source.name + "' has no motions of the label '" + label + "'",
+                  "--label", NearestOfAll(label, common, "all sources have: "));
     }
     if (std::find(chosen.begin(), chosen.end(), label) == chosen.end()) chosen.push_back(label);
   }
   return chosen;
 }
 
-std::vector<SurveyCell> CellsOf(const SurveyOptions& options, const std::vector<SurveySource>& sources,
-                                const std::vector<std::string>& labels) {
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t a = 0; a < sources.size(); ++a) {
-    if (options.kind == SurveyKind::kRealOrFake) groups.push_back({a});
-    for (std::size_t b = a + 1; options.kind == SurveyKind::kPreference && b < sources.size(); ++b) {
-      groups.push_back({a, b});
-    }
+/// Sources of each page of real or fake: half of all motions are real, the other sources take turns.
+void PlanRealOrFake(const SurveyOptions& options, const std::vector<SurveySource>& sources,
+                    std::vector<PlannedPage>& pages) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const auto clips = static_cast<std::size_t>(options.clips), least = clips / 3;
+  std::vector<std::size_t> real_count;  // k and clips - k, for pairs of pages
+  while (real_count.size() < pages.size()) {
+    const std::size_t drawn =
+        least + Random(seed, "survey real motions", std::to_string(real_count.size())).Below(clips - 2 * least + 1);
+    real_count.push_back(real_count.size() + 1 == pages.size() ? clips / 2 : drawn);
+    if (real_count.size() < pages.size()) real_count.push_back(clips - drawn);
   }
-  std::vector<SurveyCell> cells;
-  for (const std::vector<std::size_t>& group : groups) {
-    for (const std::string& label : labels) {
-      SurveyCell cell{group, "", label, {}, 0};
-      for (const std::size_t place : group) cell.sources_name += sources[place].name + "\n";
-      for (const std::size_t place : group) {
-        std::vector<std::string> clips;
-        for (const SurveySource::Motion& motion : sources[place].motions) {
-          if (motion.label == label) clips.push_back(motion.clip);
-        }
-        std::vector<std::size_t> order = Counting(clips.size());
-        Shuffle(Random(static_cast<std::uint64_t>(options.seed), "survey motions",
-                       cell.sources_name + sources[place].name + "\n" + label),
-                order);
-        std::vector<std::string> drawn;
-        for (const std::size_t i : order) drawn.push_back(clips[i]);
-        cell.questions = cell.motions.empty() ? drawn.size() : std::min(cell.questions, drawn.size());
-        cell.motions.push_back(std::move(drawn));
+  Shuffle(Random(seed, "survey real motions", "order"), real_count);
+  std::size_t real = 0;
+  std::vector<std::size_t> generated, turn;
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    if (sources[s].name == options.real) real = s;
+    if (sources[s].name != options.real) generated.push_back(s);
+  }
+  std::size_t turns = 0;
+  for (std::size_t p = 0; p < pages.size(); ++p) {
+    pages[p].sources.assign(real_count[p], real);
+    while (pages[p].sources.size() < clips) {
+      if (turn.empty()) {
+        turn = generated;
+        Shuffle(Random(seed, "survey generated motions", std::to_string(turns++)), turn);
       }
-      cells.push_back(std::move(cell));
+      pages[p].sources.push_back(turn.back());
+      turn.pop_back();
     }
   }
-  return cells;
 }
 
-/// Which of a pair is on the left in its n-th question: each once in the questions 2k and 2k+1.
-bool IsExchanged(const SurveyOptions& options, const std::string& pair, std::size_t n) {
-  Random side(static_cast<std::uint64_t>(options.seed), "survey sides", pair + std::to_string(n / 2));
-  return (side.Below(2) + n) % 2 == 1;
+std::vector<PlannedPage> PlanPages(const SurveyOptions& options, const std::vector<SurveySource>& sources,
+                                   const std::vector<std::string>& labels) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const bool ranking = options.kind == SurveyKind::kRanking;
+  const std::size_t wanted = options.questions > 0 ? static_cast<std::size_t>(options.questions)
+                             : ranking             ? std::min(labels.size(), kUsualRankings)
+                                                   : kUsualPagesOfReal;
+  std::vector<PlannedPage> pages;
+  for (std::size_t round = 0; pages.size() < wanted; ++round) {
+    std::vector<std::string> order = labels;
+    Shuffle(Random(seed, "survey order", std::to_string(round)), order);
+    for (std::size_t i = 0; i < order.size() && pages.size() < wanted; ++i) pages.push_back({order[i], {}});
+  }
+  if (!ranking) PlanRealOrFake(options, sources, pages);
+  for (std::size_t p = 0; p < pages.size(); ++p) {
+    if (ranking) {
+      pages[p].sources.resize(sources.size());
+      std::iota(pages[p].sources.begin(), pages[p].sources.end(), std::size_t{0});
+    }
+    Shuffle(Random(seed, "survey places", std::to_string(p)), pages[p].sources);
+  }
+  return pages;
 }
 
 }  // namespace
 
-std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kPreference ? "preference" : "real_or_fake"; }
-
-std::array<std::string, 2> AnswersOf(SurveyKind kind) {
-  return kind == SurveyKind::kPreference ? std::array<std::string, 2>{"left", "right"}
-                                         : std::array<std::string, 2>{"real", "generated"};
-}
+std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kRanking ? "ranking" : "real_or_fake"; }
 
 Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
   if (Status sound = CheckSources(options, sources); !sound) return Forward(sound);
-  auto labels = LabelsToAsk(options, sources);
+  const auto labels = LabelsToAsk(options, sources);
   if (!labels) return Forward(labels);
-  const std::vector<SurveyCell> cells = CellsOf(options, sources, *labels);
-  std::size_t most = 0;
-  for (const SurveyCell& cell : cells) most += cell.questions;
-  const std::size_t wanted =
-      options.questions == 0 ? std::min(most, kUsualQuestions) : static_cast<std::size_t>(options.questions);
-  if (wanted > most) {
-    return Fail(ErrorCode::kUsage,
-                Counted(options.questions, "question") + " are requested, the motions suffice for " +
-                    std::to_string(most) + ", because none is shown twice",
-                "--questions", "--questions " + std::to_string(most) + ", or add motions");
+  const std::vector<PlannedPage> pages = PlanPages(options, sources, *labels);
+  std::map<std::pair<std::size_t, std::string>, std::size_t> needed;
+  for (const PlannedPage& page : pages) {
+    for (const std::size_t s : page.sources) ++needed[{s, page.label}];
+  }
+  std::map<std::pair<std::size_t, std::string>, std::vector<std::string>> left;  // clips that are not yet shown
+  for (const auto& [place, count] : needed) {
+    const SurveySource& source = sources[place.first];
+    std::vector<std::string>& clips = left[place];
+    for (const SurveySource::Motion& motion : source.motions) {
+      if (motion.label == place.second) clips.push_back(motion.clip);
+    }
+    if (clips.size() < count) {
+      return Fail(ErrorCode::kUsage,
+                  "source '" + source.name + "' has " + Counted(static_cast<long long>(clips.size()), "motion") +
+                      " of the label '" + place.second + "', " + std::to_string(count) +
+                      " are needed, because none is shown twice",
+                  "--motions", "set fewer --questions, choose other labels with --label, or add motions");
+    }
+    Shuffle(Random(static_cast<std::uint64_t>(options.seed), "survey motions", source.name + "\n" + place.second),
+            clips);
   }
   SurveyKey key;
   key.kind = options.kind;
   key.real = options.kind == SurveyKind::kRealOrFake ? options.real : "";
   key.seed = options.seed;
-  key.labels = std::move(*labels);
   for (const SurveySource& source : sources) key.sources.push_back(source.name);
-  std::map<std::string, std::size_t> asked;  // of each pair
-  for (std::size_t round = 0; key.questions.size() < wanted; ++round) {
-    std::vector<std::size_t> order = Counting(cells.size());
-    Shuffle(Random(static_cast<std::uint64_t>(options.seed), "survey order", std::to_string(round)), order);
-    for (const std::size_t i : order) {
-      const SurveyCell& cell = cells[i];
-      if (cell.questions <= round || key.questions.size() == wanted) continue;
-      const int number = static_cast<int>(key.questions.size()) + 1;
-      SurveyQuestion question{"q" + ZeroPadded(number, 3), cell.label, {}};
-      for (std::size_t s = 0; s < cell.sources.size(); ++s) {
-        question.shown.push_back({sources[cell.sources[s]].name, cell.motions[s][round], ""});
-      }
-      if (question.shown.size() == 2 && IsExchanged(options, cell.sources_name, asked[cell.sources_name]++)) {
-        std::swap(question.shown[0], question.shown[1]);
-      }
-      key.questions.push_back(std::move(question));
+  std::set<std::string> asked;
+  for (const PlannedPage& page : pages) {
+    asked.insert(page.label);
+    SurveyQuestion question{"q" + ZeroPadded(static_cast<int>(key.questions.size()) + 1, 3), page.label, {}};
+    for (const std::size_t s : page.sources) {
+      std::vector<std::string>& clips = left[{s, page.label}];
+      question.shown.push_back({sources[s].name, clips.back(), ""});
+      clips.pop_back();
     }
+    key.questions.push_back(std::move(question));
   }
+  key.labels.assign(asked.begin(), asked.end());
   return key;
 }
 

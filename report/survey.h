@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -29,32 +28,30 @@ struct ShownMotion {
   std::string fingerprint;  ///< of the shown motion (core/motion/motion.h)
 };
 
+/// One page: motions of one label.
 struct SurveyQuestion {
   std::string id;  ///< "q001", in the order of the page
   std::string label;
-  std::vector<ShownMotion> shown;  ///< preference: left, right; real_or_fake: one
+  std::vector<ShownMotion> shown;  ///< in the order of the page; ranking: one of each source
 };
 
 /// The sources of the motions on a survey page: key.json. The page itself names no source.
 struct SurveyKey {
-  SurveyKind kind = SurveyKind::kPreference;
-  std::string real;  ///< the source of recordings; empty for a preference
+  SurveyKind kind = SurveyKind::kRanking;
+  std::string real;  ///< the source of recordings; empty for a ranking
   std::int64_t seed = 1;
   std::vector<std::string> sources;
   std::vector<std::string> labels;  ///< of the questions
   std::vector<SurveyQuestion> questions;
 };
 
-/// Possible answers: "left", "right" or "real", "generated".
-std::array<std::string, 2> AnswersOf(SurveyKind kind);
 std::string_view Name(SurveyKind kind);
 
-/// Draws questions about labels that every source has. A preference compares each pair of sources, real or fake shows
-/// each source. A round has one question for each of these and each label, in random order; rounds repeat until there
-/// are `options.questions`, or as many as possible up to 40 without a number. A motion is shown at most once, in a
-/// preference at most once per pair. Of two questions about one pair each source is on the left once. Every draw is
-/// keyed by (seed, purpose, item). Fingerprints are empty. Errors: kUsage for fewer than two sources or equal names, an
-/// unknown `real` or label, more questions than motions; kInconsistent without a common label.
+/// Draws questions about labels that every source has; labels are in random order, round by round. A ranking shows one
+/// motion of each source. Real or fake shows `options.clips` motions a page: half of all are real, a third to two
+/// thirds of a page, and the others are spread evenly over the generated sources. No motion is shown twice. Every draw
+/// is keyed by (seed, purpose, item). Fingerprints are empty. Errors: kUsage for fewer than two sources, more than nine
+/// in a ranking, equal names, an unknown `real` or label, too few motions; kInconsistent without a common label.
 Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<SurveySource>& sources);
 
 /// Survey id of the answers: sixteen hexadecimal digits of the key's SHA-256.
@@ -68,11 +65,12 @@ Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& nam
 /// One person's answers: a file that the page saves, answers_PARTICIPANT.json.
 struct SurveyAnswers {
   std::string participant;  ///< 1 to 40 of A-Z a-z 0-9 _ -
-  std::vector<int> choice;  ///< of each question of the key: index in AnswersOf
+  /// Of each question, of each shown motion. Ranking: its rank, 1 is the best; real_or_fake: 1 real, 2 generated.
+  std::vector<std::vector<int>> values;
 };
 
-/// Errors kMalformed "name: /answers/3": not JSON, an unknown key, question or answer, a repeated question;
-/// kInconsistent: of another survey, or a question without an answer.
+/// Errors kMalformed "name: /answers/3": not JSON, an unknown key, question or answer, ranks that are no permutation, a
+/// repeated question; kInconsistent: of another survey, or a question without an answer.
 Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::string& name, const SurveyKey& key);
 
 }  // namespace mocurate

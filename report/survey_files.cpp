@@ -60,23 +60,17 @@ bool IsParticipant(const std::string& text) {
   return !text.empty() && text.size() <= kLongestParticipant && std::all_of(text.begin(), text.end(), allowed);
 }
 
-std::vector<std::string> PlacesOf(SurveyKind kind) {
-  if (kind == SurveyKind::kPreference) return {"left", "right"};
-  return {"shown"};
-}
-
 /// Throws Json::exception for a value that is missing or has another type.
 SurveyKey KeyOfJson(const Json& json) {
   SurveyKey key;
-  key.kind = json.at("kind") == "preference" ? SurveyKind::kPreference : SurveyKind::kRealOrFake;
+  key.kind = json.at("kind") == Name(SurveyKind::kRanking) ? SurveyKind::kRanking : SurveyKind::kRealOrFake;
   if (key.kind == SurveyKind::kRealOrFake) key.real = json.at("real").get<std::string>();
   key.seed = json.at("seed").get<std::int64_t>();
   key.sources = json.at("sources").get<std::vector<std::string>>();
   key.labels = json.at("labels").get<std::vector<std::string>>();
   for (const Json& asked : json.at("questions")) {
     SurveyQuestion question{asked.at("question").get<std::string>(), asked.at("label").get<std::string>(), {}};
-    for (const std::string& place : PlacesOf(key.kind)) {
-      const Json& shown = asked.at(place);
+    for (const Json& shown : asked.at("shown")) {
       question.shown.push_back({shown.at("source").get<std::string>(), shown.at("clip").get<std::string>(),
                                 shown.at("motion").get<std::string>()});
     }
@@ -92,27 +86,36 @@ Json ContentOfKey(const SurveyKey& key) {
                {"labels", key.labels},
                {"questions", Json::array()}};
   if (key.kind == SurveyKind::kRealOrFake) json["real"] = key.real;
-  const std::vector<std::string> places = PlacesOf(key.kind);
   for (const SurveyQuestion& question : key.questions) {
-    Json asked = {{"question", question.id}, {"label", question.label}};
-    for (std::size_t i = 0; i < question.shown.size(); ++i) {
-      const ShownMotion& shown = question.shown[i];
-      asked[places[i]] = {{"source", shown.source}, {"clip", shown.clip}, {"motion", shown.fingerprint}};
+    Json asked = {{"question", question.id}, {"label", question.label}, {"shown", Json::array()}};
+    for (const ShownMotion& shown : question.shown) {
+      asked["shown"].push_back({{"source", shown.source}, {"clip", shown.clip}, {"motion", shown.fingerprint}});
     }
     json["questions"].push_back(std::move(asked));
   }
   return json;
 }
 
-/// Index of the answer in AnswersOf.
-Expected<int> ChoiceOf(const Json& answer, SurveyKind kind, const std::string& where) {
-  const std::array<std::string, 2> choices = AnswersOf(kind);
-  for (int i = 0; i < 2; ++i) {
-    if (answer == choices[static_cast<std::size_t>(i)]) return i;
+/// SurveyAnswers::values of one question with `count` motions.
+Expected<std::vector<int>> ValuesOf(const Json& answer, SurveyKind kind, std::size_t count, const std::string& where) {
+  const bool ranking = kind == SurveyKind::kRanking;
+  const auto number = static_cast<int>(count);
+  const std::string expected = ranking ? "the ranks 1 to " + std::to_string(count) + ", each once"
+                                       : std::to_string(count) + " of \"real\" and \"generated\"";
+  const auto refused = [&] {
+    return Fail(ErrorCode::kMalformed, "answer " + ShownValue(answer) + ", expected is a list of " + expected, where,
+                kSaveAgain);
+  };
+  if (!answer.is_array() || answer.size() != count) return refused();
+  std::vector<int> values;
+  for (const Json& one : answer) {
+    const bool known = ranking ? one.is_number_integer() && one >= 1 && one <= number &&
+                                     std::find(values.begin(), values.end(), one.get<int>()) == values.end()
+                               : one == "real" || one == "generated";
+    if (!known) return refused();
+    values.push_back(ranking ? one.get<int>() : one == "real" ? 1 : 2);
   }
-  return Fail(ErrorCode::kMalformed,
-              "answer " + ShownValue(answer) + ", the survey has \"" + choices[0] + "\" and \"" + choices[1] + "\"",
-              where, kSaveAgain);
+  return values;
 }
 
 }  // namespace
@@ -167,7 +170,7 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
   }
   std::map<std::string, std::size_t> place_of;
   for (std::size_t i = 0; i < key.questions.size(); ++i) place_of[key.questions[i].id] = i;
-  answers.choice.assign(key.questions.size(), -1);
+  answers.values.resize(key.questions.size());
   for (std::size_t i = 0; i < json->at("answers").size(); ++i) {
     const Json& given = json->at("answers")[i];
     const std::string where = name + ": /answers/" + std::to_string(i);
@@ -180,17 +183,17 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
                       (key.questions.empty() ? "none" : key.questions.front().id + " to " + key.questions.back().id),
                   where + "/question", kSaveAgain);
     }
-    const Expected<int> choice = ChoiceOf(given.at("answer"), key.kind, where + "/answer");
-    if (!choice) return Forward(choice);
-    if (answers.choice[place->second] >= 0) {
+    auto values = ValuesOf(given.at("answer"), key.kind, key.questions[place->second].shown.size(), where + "/answer");
+    if (!values) return Forward(values);
+    if (!answers.values[place->second].empty()) {
       return Fail(ErrorCode::kMalformed, "question " + ShownValue(question) + " is answered twice", where + "/question",
                   kSaveAgain);
     }
-    answers.choice[place->second] = *choice;
+    answers.values[place->second] = std::move(*values);
   }
   std::vector<std::string> missing;
   for (std::size_t i = 0; i < key.questions.size(); ++i) {
-    if (answers.choice[i] < 0) missing.push_back(key.questions[i].id);
+    if (answers.values[i].empty()) missing.push_back(key.questions[i].id);
   }
   if (!missing.empty()) {
     std::string list;

@@ -8,6 +8,7 @@
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "job/config_loading.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
 #include "job/run_folder.h"
@@ -68,6 +69,22 @@ Expected<std::vector<SurveyFiles>> FilesOfSources(const SurveyMakeArguments& arg
   return sources;
 }
 
+/// The body to draw motions with; empty for bones. Error kMissingOnHost, kNotFound.
+Expected<fs::path> BodyOfSurvey(const SurveyMakeArguments& arguments) {
+  const bool by_kind = arguments.figure.empty() && arguments.body.empty();
+  if (arguments.figure == "bones" || (by_kind && arguments.kind == Name(SurveyKind::kRanking))) return fs::path();
+  const fs::path body = arguments.body.empty() ? FindBody() : arguments.body;
+  if (body.empty()) {
+    return Fail(ErrorCode::kMissingOnHost, "no body is given, and none is below MOCURATE_WEIGHTS", "--body",
+                "put SMPL_NEUTRAL.pkl or body_cc0.h5 there, or give it with --body; --figure bones needs none");
+  }
+  if (std::error_code unknown; !fs::exists(body, unknown)) {
+    return Fail(ErrorCode::kNotFound, "there is no such file", DisplayPath(body),
+                "give --body SMPL_NEUTRAL.pkl or body_cc0.h5; --figure bones needs none");
+  }
+  return body;
+}
+
 void PrintSurvey(const SurveyMakeArguments& arguments, const nlohmann::json& summary) {
   const nlohmann::json& key = summary.at("key");
   Print("%s: %s about %s of %s; send it to the participants\n", DisplayPath(arguments.output / kPageFile).c_str(),
@@ -110,20 +127,25 @@ CollectedAnswers CollectAnswers(const std::vector<fs::path>& files, const Survey
 
 void PrintTally(const SurveyTallyArguments& arguments, const SurveyTally& tally) {
   Print("%s", TallyToMarkdown(tally).c_str());
-  Print("\nalso in %s as tally.json, tally.csv, tally.md, figure.svg\n", DisplayPath(arguments.output).c_str());
+  Print("\nalso in %s as tally.json, tally.csv, differences.csv, tally.md, figure.svg\n",
+        DisplayPath(arguments.output).c_str());
 }
 
 }  // namespace
 
 Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& arguments) {
   SurveyOptions options;
-  options.kind = arguments.kind == Name(SurveyKind::kPreference) ? SurveyKind::kPreference : SurveyKind::kRealOrFake;
+  const bool ranking = arguments.kind == Name(SurveyKind::kRanking);
+  options.kind = ranking ? SurveyKind::kRanking : SurveyKind::kRealOrFake;
   if (!arguments.real.empty()) options.real = arguments.real;
-  if (!arguments.real.empty() && options.kind == SurveyKind::kPreference) {
-    return Fail(ErrorCode::kUsage, "--real does not apply to a survey of kind preference", "--real",
-                "remove --real, or make a survey of kind real_or_fake");
+  if (ranking && (!arguments.real.empty() || arguments.clips)) {
+    return Fail(ErrorCode::kUsage, "--real and --clips do not apply to a survey of kind ranking",
+                arguments.clips ? "--clips" : "--real", "remove the option, or make a survey of kind real_or_fake");
   }
+  const auto body = BodyOfSurvey(arguments);
+  if (!body) return Forward(body);
   options.questions = arguments.questions;
+  options.clips = arguments.clips.value_or(options.clips);
   options.seed = arguments.seed;
   options.labels = arguments.ask;
   options.seconds = arguments.seconds;
@@ -132,6 +154,7 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
   std::vector<fs::path> inputs;
   for (const SurveyFiles& source : *sources) inputs.push_back(source.files.path);
   inputs.insert(inputs.end(), arguments.labels.begin(), arguments.labels.end());
+  if (!body->empty()) inputs.push_back(*body);
   const fs::path page = arguments.output / kPageFile, key = arguments.output / kKeyFile;
   if (Status free = CheckOutputs({page, key}, inputs, arguments.force); !free) return free;
   for (const fs::path& file : {page, key}) {
@@ -154,6 +177,7 @@ Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& argume
     if (!input) return Forward(input);
     item.inputs.push_back(std::move(*input));
   }
+  if (!body->empty()) item.inputs.push_back({"body", body->filename().string(), *body, ""});
   const auto made = (*stages)->One(SurveyDeclaration(), std::move(item));
   if (!made) return Forward(made);
   if (Status folder = MakeFolder(arguments.output); !folder) return folder;
@@ -178,8 +202,8 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
   std::vector<fs::path> inputs = arguments.answers;
   inputs.push_back(arguments.key);
   const auto output = [&](const char* name) { return arguments.output / name; };
-  const std::vector<fs::path> outputs = {output("tally.json"), output("tally.csv"), output("tally.md"),
-                                         output("figure.svg")};
+  const std::vector<fs::path> outputs = {output("tally.json"), output("tally.csv"), output("differences.csv"),
+                                         output("tally.md"), output("figure.svg")};
   if (Status free = CheckOutputs(outputs, inputs, arguments.force); !free) return free;
   for (const fs::path& file : outputs) {
     if (Status plain = CheckNotLink(file); !plain) return plain;
@@ -202,7 +226,8 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
   const nlohmann::json json = TallyToJson(tally);
   for (const auto& [name, text] :
        {std::pair("tally.json", SurveyJsonText(json)), std::pair("tally.csv", TallyToCsv(tally)),
-        std::pair("tally.md", TallyToMarkdown(tally)), std::pair("figure.svg", TallyToSvg(tally))}) {
+        std::pair("differences.csv", DifferencesToCsv(tally)), std::pair("tally.md", TallyToMarkdown(tally)),
+        std::pair("figure.svg", TallyToSvg(tally))}) {
     if (Status written = WriteFile(output(name), text); !written) return written;
   }
   if (AnswersInText(common, json)) {

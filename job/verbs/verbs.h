@@ -203,10 +203,13 @@ struct ReviewArguments {
 };
 
 struct SurveyMakeArguments {
-  std::string kind;                           ///< preference, real_or_fake
+  std::string kind;                           ///< ranking, real_or_fake
   std::vector<std::string> motions;           ///< NAME=FILE of each source
   std::string real;                           ///< source of recordings; empty: "real"
-  std::int64_t questions = 0;                 ///< 0: as many as possible with the motions, at most 40
+  std::int64_t questions = 0;                 ///< pages; 0: the default of the kind
+  std::optional<std::int64_t> clips;          ///< motions of a page of real_or_fake
+  std::string figure;                         ///< skin, bones; empty: bones in a ranking, else skin
+  std::filesystem::path body;                 ///< of a skin; empty: found
   std::int64_t seed = 1;                      ///< of all draws
   std::vector<std::string> ask;               ///< labels to ask about; empty: all that every source has
   double seconds = 10.0;                      ///< of each motion, at most
@@ -221,7 +224,7 @@ struct SurveyTallyArguments {
   std::filesystem::path key;
   std::vector<std::filesystem::path> answers;
   bool skip_bad = false;         ///< skip invalid files, with a warning
-  std::filesystem::path output;  ///< folder for tally.json, tally.csv, tally.md and figure.svg
+  std::filesystem::path output;  ///< folder for the tally's files
   bool force = false;            ///< overwrite
 };
 

@@ -366,7 +366,7 @@ N1_VERBS = {
     "draw-label": ["draw", "d.h5", "--label", "none", "-o", "{out}/a.svg"],
     "review": ["review", "d.h5", "-o", "{out}/page.html"],
     "annotate": ["review", "d.h5", "--annotate", "--labels", "a,b", "--all", "-o", "{out}/page.html"],
-    "survey": ["survey", "make", "real_or_fake", "--motions", "real=d.h5", "--motions", "b=sound.h5", "-o", "{out}/s"],
+    "survey": ["survey", "make", *REAL_OR_FAKE, "--motions", "real=d.h5", "--motions", "b=sound.h5", "-o", "{out}/s"],
     "fit": ["fit", "d.h5", "--skeleton", "smpl24", "-o", "{out}/a.h5"],
     "inspect-json": ["--json", "inspect", "d.h5"],
     "audit-json": ["--json", "audit", "d.h5"],
@@ -568,7 +568,7 @@ def _(box):
     key = json.loads(text)
     key["survey"] = hashlib.sha256(json.dumps(key, sort_keys=True, separators=(",", ":")).encode()).hexdigest()[:16]
     box.write("key.json", json.dumps(key))
-    answers = [{"question": question["question"], "answer": "real"} for question in key["questions"]]
+    answers = [{"question": question["question"], "answer": ["real", "real"]} for question in key["questions"]]
     box.write(
         "answers.json", json.dumps({"survey": key["survey"], "participant": "p1", "missing": [], "answers": answers})
     )
@@ -577,10 +577,10 @@ def _(box):
         made = {file.name: file.read_bytes() for file in (box.out / "t").iterdir()}
         for name in ("tally.md", "figure.svg"):
             box.demand(b"<script" not in made[name], f"{name} has <script>")
-        for line in made["tally.csv"].split(b"\n"):
+        for line in made["tally.csv"].split(b"\n") + made["differences.csv"].split(b"\n"):
             box.demand(
                 not any(cell.strip(b'"').startswith((b"=", b"@")) for cell in line.split(b",")),
-                "a cell of tally.csv is a formula",
+                "a cell of a table is a formula",
             )
 
 
@@ -609,7 +609,7 @@ def _(box):
     box.write("decisions.yaml", "decisions:\n  - {clip: 'x', decision: drop, note: " + json.dumps(evil) + "}\n")
     box.call("review", "d.h5", "--decisions", "decisions.yaml", "-o", box.out / "review.html")
     box.call("review", "d.h5", "--annotate", "--labels", "a", "--all", "-o", box.out / "annotate.html")
-    box.call("survey", "make", "real_or_fake", "--motions", "real=d.h5", "--motions", "b=d.h5", "-o", box.out / "s")
+    box.call("survey", "make", *REAL_OR_FAKE, "--motions", "real=d.h5", "--motions", "b=d.h5", "-o", box.out / "s")
     box.call("audit", "d.h5", "-o", box.out / "a")
     box.call("draw", "d.h5", "-o", box.out / "a.svg")
     for page in list(box.out.rglob("*.html")) + list(box.out.rglob("*.svg")):

@@ -94,7 +94,7 @@ def every_verb(box, dataset, verbs, codes=None):
         "survey": [
             "survey",
             "make",
-            "real_or_fake",
+            *REAL_OR_FAKE,
             "--motions",
             f"real={dataset}",
             "--motions",

@@ -10,7 +10,7 @@ import zlib
 import numpy as np
 
 from bombs import *
-from lab import ANY, READ, READ_OR_REFUSED, REFUSED, bvh_text, case, inspected, job_text
+from lab import ANY, READ, READ_OR_REFUSED, REAL_OR_FAKE, REFUSED, bvh_text, case, inspected, job_text
 
 # --- files of captures -------------------------------------------------------------------------------------------------------
 
@@ -406,7 +406,7 @@ def _(box):
         box.call(
             "survey",
             "make",
-            "real_or_fake",
+            *REAL_OR_FAKE,
             "--motions",
             "real=results.npy",
             "--motions",

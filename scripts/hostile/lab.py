@@ -595,15 +595,16 @@ def run_tasks(box, plan, codes=None):
     box.call("run", "--plan", plan, "--task", "0", codes=codes)
 
 
+REAL_OR_FAKE = ("real_or_fake", "--questions", "1", "--clips", "2", "--figure", "bones")
+
+
 def survey(box, name="sound.h5", **changes):
     """A key, and answers to it."""
     box.dataset(name, **changes)
     box.sound(
         "survey",
         "make",
-        "real_or_fake",
-        "--questions",
-        "2",
+        *REAL_OR_FAKE,
         "--motions",
         f"real={name}",
         "--motions",
@@ -612,7 +613,7 @@ def survey(box, name="sound.h5", **changes):
         box.out / "survey",
     )
     key = json.loads((box.out / "survey" / "key.json").read_text())
-    answers = [{"question": question["question"], "answer": "real"} for question in key["questions"]]
+    answers = [{"question": question["question"], "answer": ["real", "real"]} for question in key["questions"]]
     return key, {"survey": key["survey"], "participant": "p1", "answers": answers, "missing": []}
 
 

@@ -1,4 +1,4 @@
-// `mocurate survey`: from two sets of motions to a page, from answers to shares.
+// `mocurate survey`: from two sets of motions to a page, from answers to ranks and shares.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,13 +17,13 @@ using program::WriteText;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// The file that the page of a survey saves of a participant who always chooses one source.
+/// The file that the page of a ranking saves of a participant who always ranks one of two sources first.
 nlohmann::json AnswersFor(const std::string& source, const std::string& participant, const nlohmann::json& key) {
   nlohmann::json answers = {
       {"survey", key["survey"]}, {"participant", participant}, {"missing", nlohmann::json::array()}};
   for (const nlohmann::json& question : key["questions"]) {
-    const bool left = question["left"]["source"] == source;
-    answers["answers"].push_back({{"question", question["question"]}, {"answer", left ? "left" : "right"}});
+    const int first = question["shown"][0]["source"] == source ? 1 : 2;
+    answers["answers"].push_back({{"question", question["question"]}, {"answer", {first, 3 - first}}});
   }
   return answers;
 }
@@ -34,25 +34,49 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
   job.insert(job.end(), {"--set", "ingest.synthetic.actions=[walk, wave]"});
   ASSERT_EQ(RunProgram(folder, job).exit_code, 0);
   const std::string set = (folder / "run/dataset.h5").string();
+  const std::string ours = "ours_4711=" + set, theirs = "theirs_0815=" + set;
   const auto make = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"survey", "make"});
     more.insert(more.end(), {"-o", (folder / "survey").string(), "--json"});
-    return RunProgram(folder, more);
+    program::Surroundings bare;
+    bare.before_start = [] {
+      unsetenv("MOCURATE_WEIGHTS");
+      unsetenv("MOCURATE_DATA");
+    };
+    return RunProgram(folder, more, bare);
   };
-  const std::string ours = "ours_4711=" + set, theirs = "theirs_0815=" + set;
-  const Result made = make({"preference", "--motions", ours, "--motions", theirs});
+  const Result made = make({"ranking", "--motions", ours, "--motions", theirs});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_EQ(made.Json()["questions"], 6);
+  EXPECT_EQ(made.Json()["questions"], 2) << "one for each label";
   const std::string page = ReadText(folder / "survey/survey.html");
   EXPECT_THAT(page, Not(HasSubstr("ours_4711")));
   EXPECT_THAT(page, Not(HasSubstr("theirs_0815")));
   const nlohmann::json key = nlohmann::json::parse(ReadText(folder / "survey/key.json"));
-  EXPECT_EQ(make({"preference", "--motions", ours, "--motions", theirs}).exit_code, 2) << "the files are there";
-  EXPECT_EQ(make({"preference", "--motions", set, "--motions", theirs, "--force"}).exit_code, 2) << "no name";
-  EXPECT_EQ(make({"preference", "--motions", ours, "--force"}).exit_code, 2) << "one source";
-  EXPECT_EQ(make({"preference", "--motions", ours, "--motions", "a=none.h5", "--force"}).exit_code, 3);
-  EXPECT_EQ(make({"real_or_fake", "--motions", ours, "--motions", theirs, "--force"}).exit_code, 2) << "no real one";
-  EXPECT_EQ(make({"real_or_fake", "--motions", ours, "--motions", theirs, "--real", "ours_4711", "--force"}).exit_code,
+  EXPECT_EQ(make({"ranking", "--motions", ours, "--motions", theirs}).exit_code, 2) << "the files are there";
+  const auto refused = [&](std::vector<std::string> more, int code, const char* message) {
+    more.push_back("--force");
+    const Result result = make(more);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  };
+  refused({"ranking", "--motions", set, "--motions", theirs}, 2, "is not NAME=FILE");
+  refused({"ranking", "--motions", ours}, 2, "a ranking has 2 to 9");
+  refused({"ranking", "--motions", ours, "--motions", "a=none.h5"}, 3, "no such file or folder");
+  refused({"ranking", "--motions", ours, "--motions", theirs, "--label", "jump"}, 2,
+          "source 'ours_4711' has no motions of the label 'jump'");
+  refused({"ranking", "--motions", ours, "--motions", theirs, "--real", "ours_4711"}, 2, "do not apply");
+  refused({"preference", "--motions", ours, "--motions", theirs}, 2, "preference");
+  const std::vector<std::string> judged = {"real_or_fake", "--motions", ours, "--motions", theirs};
+  const auto judge = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), judged.begin(), judged.end());
+    return more;
+  };
+  refused(judge({}), 4, "SMPL_NEUTRAL.pkl");
+  refused(judge({"--body", "none.pkl"}), 3, "there is no such file");
+  refused(judge({"--figure", "bones"}), 2, "no source has the name 'real'");
+  refused(judge({"--figure", "bones", "--real", "ours_4711"}), 2, "are needed, because none is shown twice");
+  EXPECT_EQ(make(judge({"--figure", "bones", "--real", "ours_4711", "--questions", "2", "--clips", "2", "--force"}))
+                .exit_code,
             0);
 
   WriteText(folder / "victim", "old");
@@ -61,7 +85,7 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
     std::filesystem::remove(folder / file);
     std::filesystem::create_symlink(folder / "victim", folder / file);
   }
-  EXPECT_EQ(make({"preference", "--motions", ours, "--motions", theirs, "--force"}).exit_code, 74) << "a link";
+  EXPECT_EQ(make({"ranking", "--motions", ours, "--motions", theirs, "--force"}).exit_code, 74) << "a link";
 
   WriteText(folder / "key.json", key.dump());
   const auto tally = [&](std::vector<std::string> files) {
@@ -87,19 +111,24 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
   const Result counted = tally({a, b, c});
   ASSERT_EQ(counted.exit_code, 0) << counted.err;
   const nlohmann::json row = counted.Json()["rows"][0];
-  EXPECT_EQ(row["first"], "ours_4711");
-  EXPECT_EQ(row["preferred_first"], 12);
-  EXPECT_EQ(row["votes"], 18);
-  EXPECT_FALSE(row["bootstrap_95"].is_null());
+  EXPECT_EQ(row["source"], "ours_4711");
+  EXPECT_EQ(row["ranks"], nlohmann::json({4, 2}));
+  EXPECT_FALSE(row["first"]["bootstrap_95"]["low"].is_null());
+  EXPECT_EQ(counted.Json()["differences"][0]["p"], 1.0) << "-1, 1, -1: all 8 sign patterns are as large";
   EXPECT_EQ(nlohmann::json::parse(ReadText(folder / "tally/tally.json")), counted.Json());
-  EXPECT_THAT(ReadText(folder / "tally/tally.csv"), HasSubstr("ours_4711,theirs_0815,walk,6,9,"));
+  EXPECT_THAT(ReadText(folder / "tally/tally.csv"), HasSubstr("\nours_4711,walk,3,2,1,1.3333,2,0.6667,"));
+  EXPECT_THAT(ReadText(folder / "tally/differences.csv"), HasSubstr("ours_4711,theirs_0815,-0.3333,3,1.0000,1.0000"));
 
   nlohmann::json edited = AnswersFor("ours_4711", "d", key);
-  edited["answers"][1]["answer"] = "both";
+  edited["answers"][1]["answer"] = {1, 1};
   const std::string d = put("d.json", edited);
-  const Result refused = tally({a, d});
-  EXPECT_EQ(refused.exit_code, 3);
-  EXPECT_THAT(refused.err, HasSubstr("d.json: /answers/1/answer"));
+  const Result wrong = tally({a, d});
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_THAT(wrong.err, HasSubstr("d.json: /answers/1/answer"));
+  nlohmann::json half = AnswersFor("ours_4711", "e", key);
+  half["answers"].erase(1);
+  half["missing"] = {key["questions"][1]["question"]};
+  EXPECT_EQ(tally({a, put("e.json", half)}).exit_code, 3) << "an open question";
   EXPECT_EQ(tally({a, put("again.json", AnswersFor("ours_4711", "a", key))}).exit_code, 3) << "one participant twice";
   const Result skipped = tally({a, d, "--skip-bad"});
   ASSERT_EQ(skipped.exit_code, 0) << skipped.err;
@@ -107,7 +136,7 @@ TEST(Surveyed, AnswersAreCountedAndEditedOnesRefused) {
   EXPECT_EQ(skipped.Json()["skipped"].size(), 1u);
   EXPECT_THAT(skipped.err, HasSubstr("d.json"));
   nlohmann::json other = key;
-  other["questions"][0]["left"]["source"] = key["questions"][0]["right"]["source"];
+  other["questions"][0]["shown"][0]["source"] = key["questions"][0]["shown"][1]["source"];
   WriteText(folder / "key.json", other.dump());
   EXPECT_EQ(tally({a}).exit_code, 3) << "an edited key";
 }

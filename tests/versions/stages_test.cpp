@@ -265,6 +265,8 @@ TEST_F(StageVersions, AuditAndReview) {
         {"annotate", OptionsToJson(annotate), {Input("dataset", "dataset", "dataset.h5")}}, kRounded);
   SurveyOptions survey;
   survey.kind = SurveyKind::kRealOrFake;
+  survey.questions = 2;
+  survey.clips = 4;
   Judge(SurveyDeclaration(), "survey",
         {"survey",
          OptionsToJson(survey),
