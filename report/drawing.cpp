@@ -11,21 +11,19 @@
 namespace mocurate {
 namespace {
 
-/// Writes shapes as elements; with `named` colours those of the pages' style.
+/// Writes shapes as elements. `inlined`: for the pages, whose style knows the classes of colours.
 struct SvgWriter {
-  bool named;
+  bool inlined;
 
   /// Attributes that give the properties a colour.
   std::string Painted(std::initializer_list<const char*> properties, const Colour& colour) const {
     char value[8];
     std::snprintf(value, sizeof(value), "#%02x%02x%02x", colour.red, colour.green, colour.blue);
-    const bool by_name = named && colour.name != nullptr;
+    if (inlined && colour.name != nullptr) return std::string(" class=\"c-") + colour.name + "\"";
+    if (inlined) return std::string(" style=\"--c:") + value + "\"";
     std::string text;
-    for (const char* property : properties) {
-      text += by_name ? std::string(property) + ":var(--" + colour.name + ");"
-                      : std::string(" ") + property + "=\"" + value + "\"";
-    }
-    return by_name ? " style=\"" + text + "\"" : text;
+    for (const char* property : properties) text += std::string(" ") + property + "=\"" + value + "\"";
+    return text;
   }
   static std::string Ended(const char* element, const std::string& tip) {
     return tip.empty() ? "/>\n" : "><title>" + EscapeHtml(tip) + "</title></" + element + ">\n";
@@ -38,13 +36,13 @@ struct SvgWriter {
     return " points=\"" + text + "\"";
   }
 
-  std::string operator()(const PolygonShape& shape) const {
-    return "<polygon" + Points(shape.points) + Painted({"fill", "stroke"}, shape.fill) +  // the outline closes gaps
-           " stroke-width=\"0.4\"" + Ended("polygon", shape.tip);
+  std::string operator()(const PolygonShape& shape) const {  // the outline closes gaps
+    return "<polygon" + Points(shape.points) + Painted({"fill", "stroke"}, shape.fill) + " stroke-width=\"0.4\"" +
+           Ended("polygon", shape.tip);
   }
   std::string operator()(const LineShape& shape) const {
-    return "<polyline" + Points(shape.points) + " fill=\"none\" stroke-width=\"" + Coordinate(shape.width) +
-           "\" stroke-linecap=\"round\" stroke-linejoin=\"round\"" + (shape.dashed ? " stroke-dasharray=\"1 4\"" : "") +
+    return "<polyline" + Points(shape.points) + (inlined ? "" : " fill=\"none\"") + " stroke-width=\"" +
+           Coordinate(shape.width) + "\"" + (shape.dashed ? " stroke-dasharray=\"3 4\"" : "") +
            Painted({"stroke"}, shape.colour) + Ended("polyline", shape.tip);
   }
   std::string operator()(const TextShape& shape) const {
@@ -57,7 +55,8 @@ struct SvgWriter {
 };
 
 std::string ViewBox(const Drawing& drawing) {
-  return " viewBox=\"0 0 " + Coordinate(drawing.width) + " " + Coordinate(drawing.height) + "\" role=\"img\"";
+  return " stroke-linecap=\"round\" stroke-linejoin=\"round\" viewBox=\"0 0 " + Coordinate(drawing.width) + " " +
+         Coordinate(drawing.height) + "\" role=\"img\"";
 }
 
 }  // namespace

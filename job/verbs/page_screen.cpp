@@ -50,7 +50,7 @@ Status WriteScreen(const fs::path& page, const fs::path& picture) {
                                         "--disable-background-networking",
                                         "--hide-scrollbars",
                                         "--virtual-time-budget=5000",
-                                        "--window-size=1300,1000",
+                                        "--window-size=1300,1500",
                                         "--user-data-dir=" + (scratch.path() / "profile").string(),
                                         "--screenshot=" + written.string(),
                                         "file://" + fs::absolute(page, unknown).string()};

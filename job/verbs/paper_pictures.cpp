@@ -113,15 +113,29 @@ class PictureMaker {
     return nullptr;
   }
 
-  /// Of a network after `step` steps, 0: at its end. Empty where it was not trained.
-  fs::path CheckpointOf(const std::string& network, const fs::path& folder, std::int64_t step = 0) const {
+  /// Empty where it was not trained.
+  fs::path CheckpointOf(const std::string& network, const fs::path& folder) const {
     const NetworkOptions* one = NetworkNamed(network);
     if (one == nullptr) return {};
-    const std::string end = step > 0 ? "@" + std::to_string(step) : "";
-    const fs::path file =
-        folder / "checkpoints" / (FileNameOf(one->name + "/" + std::to_string(one->seed()) + end) + ".h5");
+    const fs::path file = folder / "checkpoints" / (FileNameOf(one->name + "/" + std::to_string(one->seed())) + ".h5");
     std::error_code unknown;
     return fs::is_regular_file(file, unknown) && !Earlier(file) ? file : fs::path();
+  }
+
+  /// Checkpoints of a network after its samples_at, which a profile may change, then at its end.
+  std::vector<fs::path> StepsOfTraining(const fs::path& last) const {
+    std::map<std::int64_t, fs::path> steps;
+    std::error_code unknown;
+    const std::string begin = last.stem().string() + "@";
+    for (const fs::directory_entry& entry : fs::directory_iterator(last.parent_path(), unknown)) {
+      const std::string name = entry.path().stem().string();
+      const auto step = name.rfind(begin, 0) == 0 ? ParseInteger(name.substr(begin.size())) : std::nullopt;
+      if (step && !Earlier(entry.path())) steps[*step] = entry.path();
+    }
+    std::vector<fs::path> files;
+    for (const auto& [step, file] : steps) files.push_back(file);
+    files.push_back(last);
+    return files;
   }
 
   std::optional<DrawnRow> RowOf(const std::string& name, const fs::path& folder) const {
@@ -193,16 +207,12 @@ class PictureMaker {
     std::vector<DrawnSet> sets;
     GenerateArguments asked;
     asked.checkpoint = row.checkpoint;
-    if (const NetworkOptions* network = NetworkNamed(row.name); picture.over_training && network != nullptr) {
-      std::vector<std::int64_t> steps;
-      for (const double step : network->learning.samples_at) steps.push_back(static_cast<std::int64_t>(step));
-      steps.push_back(0);
-      for (const std::int64_t step : steps) {
-        asked.checkpoint = CheckpointOf(row.name, folder, step);
-        if (asked.checkpoint.empty()) continue;  // not reached in this profile
-        const auto checkpoint = ReadCheckpoint(asked.checkpoint);
-        if (!checkpoint) return Forward(checkpoint);
-        const std::string name = row.name + ", " + Counted(checkpoint->step, "iteration");
+    if (picture.over_training) {
+      for (const fs::path& checkpoint : StepsOfTraining(row.checkpoint)) {
+        const auto network = ReadCheckpoint(checkpoint);
+        if (!network) return Forward(network);
+        asked.checkpoint = checkpoint;
+        const std::string name = row.name + ", " + Counted(network->step, "iteration");
         const auto file = Generated(picture.name, name, asked, picture.labels, picture.samples);
         if (!file) return Forward(file);
         shown.columns[name] = row.name;
@@ -422,6 +432,7 @@ class PictureMaker {
     FitArguments fit;
     fit.path = *file;
     fit.skeleton = survey.skeleton;
+    fit.assignments = {"proportions.own_directions=false"};  // a skin needs the rest pose of its own skeleton
     const auto fitted = NewFile(survey.kind, name + "_fitted");
     if (!fitted) return Forward(fitted);
     fit.output = *fitted;

@@ -68,7 +68,7 @@ TEST(ClipPage, ReportsWhatWasBeforeAndAfterAndWhatWasCorrected) {
   EXPECT_THAT(*page, HasSubstr("<th scope=\"row\">12–14</th><td>swapped_sides (exchanged)</td>"));
   EXPECT_THAT(*page, HasSubstr("left_knee, left_ankle"));
   EXPECT_THAT(*page, HasSubstr("2 m &lt;away&gt;"));
-  EXPECT_THAT(*page, HasSubstr("style=\"fill:var(--suspect);"));
+  EXPECT_THAT(*page, HasSubstr("class=\"c-suspect\""));
   EXPECT_THAT(*page, HasSubstr("Estimated standard deviation</dt><dd>2.0 mm"));
   EXPECT_THAT(*page, Not(HasSubstr("Over the views"))) << "there are none";
   EXPECT_THAT(*page, Not(HasSubstr("<a>")));
