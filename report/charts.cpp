@@ -145,19 +145,33 @@ class PlotPainter {
 
   void DrawCurve(const PlotCurve& curve, const Colour& colour) {
     const bool dots = curve.points.size() <= 40;
+    std::vector<Vector2d> run;  // of one kind of line
+    bool run_seen = true;
+    const auto end_run = [&] {
+      if (run.size() > 1) drawing_.Line(run, 1.7, colour, !run_seen);
+      run.clear();
+    };
     for (std::size_t i = 0; i < curve.points.size(); ++i) {
       const PlotPoint& point = curve.points[i];
-      if (!std::isfinite(point.y)) continue;
-      const Vector2d at = Place(point.x, point.y, curve.right);
-      if (dots) {
-        drawing_.Dot(at, point.marked ? 7.0 : 3.5, colour,
-                     curve.name + ": " + RoundedText(point.y, 4) + (point.marked ? ", responds" : ""));
+      if (!std::isfinite(point.y)) {
+        end_run();
+        continue;
       }
-      if (i == 0 || !std::isfinite(curve.points[i - 1].y)) continue;
-      const double before = curve.points[i - 1].x;
-      const bool seen = !plot_.solid || (before >= (*plot_.solid)[0] && point.x <= (*plot_.solid)[1]);
-      drawing_.Line({Place(before, curve.points[i - 1].y, curve.right), at}, 1.7, colour, !seen);
+      const Vector2d at = Place(point.x, point.y, curve.right);
+      const bool seen =
+          !plot_.solid || run.empty() || (curve.points[i - 1].x >= (*plot_.solid)[0] && point.x <= (*plot_.solid)[1]);
+      if (run.size() > 1 && seen != run_seen) {
+        const Vector2d last = run.back();
+        end_run();
+        run = {last};
+      }
+      run_seen = seen;
+      run.push_back(at);
+      if (!dots) continue;
+      drawing_.Dot(at, point.marked ? 7.0 : 3.5, colour,
+                   curve.name + ": " + RoundedText(point.y, 4) + (point.marked ? ", responds" : ""));
     }
+    end_run();
   }
 
   const Plot& plot_;
@@ -166,14 +180,6 @@ class PlotPainter {
   AxisRange x_, y_, right_;
   Drawing& drawing_;
 };
-
-std::vector<int> CountBins(const std::vector<double>& values, double high, int bins) {
-  std::vector<int> counts(static_cast<std::size_t>(bins), 0);
-  for (const double value : values) {
-    ++counts[static_cast<std::size_t>(std::clamp(static_cast<int>(value / high * bins), 0, bins - 1))];
-  }
-  return counts;
-}
 
 }  // namespace
 
@@ -238,42 +244,6 @@ Drawing BarChart::Draw() const {
   return drawing;
 }
 
-Drawing TwoSidedHistogram::Draw() const {
-  constexpr int kBins = 48;
-  constexpr double kHalf = 52.0, kWidth = 320.0, kEdge = 8.0;
-  const bool one_sided = before.empty() || after.empty();
-  const double high = std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9}), middle = kEdge + kHalf;
-  const double bottom = one_sided ? middle : middle + kHalf, bin_width = (kWidth - 2.0 * kEdge) / kBins;
-  const auto place = [&](double value) { return kEdge + (kWidth - 2.0 * kEdge) * std::min(value / high, 1.0); };
-  Drawing drawing{kWidth, bottom + 36.0, title};
-  for (int side = 0; side < 2; ++side) {
-    const std::vector<double>& values = side == 0 ? before : after;
-    if (values.empty()) continue;
-    const bool upwards = side == 0 || one_sided;
-    const std::vector<int> counts = CountBins(values, high, kBins);
-    const int most = *std::max_element(counts.begin(), counts.end());
-    for (int bin = 0; bin < kBins; ++bin) {
-      const int count = counts[static_cast<std::size_t>(bin)];
-      if (count == 0) continue;
-      const double height = std::max(1.0, (kHalf - 4.0) * count / most);
-      drawing.Box(kEdge + bin * bin_width, upwards ? middle - 1.0 - height : middle + 1.0, bin_width - 0.8, height,
-                  side == 0 ? kBeforeColour : kAfterColour,
-                  Counted(count, "clip") + ", from " + MarkText(std::round(1e3 * high * bin / kBins) / 1e3) + " " +
-                      unit + (bin + 1 == kBins ? " up" : ""));
-    }
-    const double median = place(Quantile(values, 0.5));
-    drawing.Line({{median, upwards ? kEdge : middle + 1.0}, {median, upwards ? middle - 1.0 : bottom}}, 1.5, kInkColour,
-                 true);
-  }
-  drawing.Line({{kEdge, middle}, {kWidth - kEdge, middle}}, 1.0, kQuietColour);
-  for (const double mark : AxisMarks(0.0, high, 4)) {
-    drawing.Text(place(mark), bottom + 14.0, MarkText(mark), kText,
-                 mark == 0.0 ? TextAnchor::kStart : TextAnchor::kMiddle, kQuietColour);
-  }
-  drawing.Text(kWidth - kEdge, bottom + 30.0, unit, kText, TextAnchor::kEnd, kQuietColour);
-  return drawing;
-}
-
 Drawing Plot::Draw() const {
   Plot untitled = *this;
   untitled.title.clear();
@@ -308,34 +278,23 @@ Drawing PlotSheet::Draw() const {
   return drawing;
 }
 
-Expected<PlotSheet> SheetOf(const nlohmann::json& json) {
-  PlotSheet sheet;
-  try {
-    const auto pair = [](const nlohmann::json& from, const char* key) {
-      return from.contains(key) ? std::optional(from[key].get<std::array<double, 2>>()) : std::nullopt;
-    };
-    sheet = {json.value("title", ""), json.value("note", ""), json.value("corner", ""), {}, json.value("columns", 3)};
-    for (const nlohmann::json& one : json.at("plots")) {
-      Plot plot{one.at("title"), one.value("x_name", ""), one.value("y_name", ""), {}, one.value("right_name", "")};
-      plot.solid = pair(one, "solid");
-      plot.decades = pair(one, "decades");
-      plot.x_texts = one.value("x_texts", std::vector<std::string>());
-      for (const nlohmann::json& curve : one.at("curves")) {
-        PlotCurve own{curve.at("name"), {}, -1, curve.value("right", false)};
-        for (const nlohmann::json& point : curve.at("points")) {
-          PlotPoint at{point.at("x"), point.at("y"), {}, {}, point.value("marked", false)};
-          if (point.contains("low")) at.low = point["low"].get<double>();
-          if (point.contains("high")) at.high = point["high"].get<double>();
-          own.points.push_back(at);
-        }
-        plot.curves.push_back(std::move(own));
+nlohmann::json PlotSheet::Json() const {
+  nlohmann::json json = {{"title", title}, {"corner", corner}, {"plots", nlohmann::json::array()}};
+  for (const Plot& plot : plots) {
+    nlohmann::json one = {{"title", plot.title}, {"x_name", plot.x_name}, {"curves", nlohmann::json::array()}};
+    if (plot.solid) one["solid"] = *plot.solid;
+    for (const PlotCurve& curve : plot.curves) {
+      nlohmann::json points = nlohmann::json::array();
+      for (const PlotPoint& point : curve.points) {
+        points.push_back({{"x", point.x}, {"y", point.y}});
+        if (point.low) points.back()["low"] = *point.low;
+        if (point.high) points.back()["high"] = *point.high;
       }
-      sheet.plots.push_back(std::move(plot));
+      one["curves"].push_back({{"name", curve.name}, {"right", curve.right}, {"points", std::move(points)}});
     }
-  } catch (const nlohmann::json::exception& problem) {
-    return Fail(ErrorCode::kMalformed, std::string("not plots: ") + problem.what(), "plots");
+    json["plots"].push_back(std::move(one));
   }
-  return sheet;
+  return json;
 }
 
 }  // namespace mocurate

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/error.h"
 #include "report/drawing.h"
 
 namespace mocurate {
@@ -32,17 +31,6 @@ struct BarChart {
   double full = 0.0;  ///< value of a full bar; 0: of the longest row
   std::vector<BarPart> legend{};
   std::string note{};  ///< below the bars
-
-  Drawing Draw() const;
-};
-
-/// Two samples of one measure over a common axis: `before` upwards, `after` downwards. Values beyond the 98th
-/// percentile of both are in the last bin. A single sample is drawn upwards.
-struct TwoSidedHistogram {
-  std::string title;
-  std::string unit;
-  std::vector<double> before;
-  std::vector<double> after;
 
   Drawing Draw() const;
 };
@@ -80,12 +68,10 @@ struct PlotSheet {
   int columns = 3;
 
   Drawing Draw() const;
+  /// {"title", "corner", "plots": [{"title", "x_name", "solid", "curves": [{"name", "right", "points": [{"x", "y",
+  /// "low", "high"}]}]}]}; what is absent is left out.
+  nlohmann::json Json() const;
 };
-
-/// {"title", "note", "corner", "columns", "plots": [{"title", "x_name", "y_name", "right_name", "solid": [low, high],
-/// "x_texts", "decades", "curves": [{"name", "right", "points": [{"x", "y", "low", "high", "marked"}]}]}]}; all but
-/// plots, title and curves may be absent. Error kMalformed.
-Expected<PlotSheet> SheetOf(const nlohmann::json& json);
 
 /// A plot a damage from eval's dose_response.json: each metric over the doses, as a multiple of its value on undamaged
 /// motions (of real motions, where that is 0 or the metric is a distance to them; of 0.001 where both are 0), from 1/10

@@ -37,8 +37,8 @@ struct SvgWriter {
   }
 
   std::string operator()(const PolygonShape& shape) const {  // the outline closes gaps
-    return "<polygon" + Points(shape.points) + Painted({"fill", "stroke"}, shape.fill) + " stroke-width=\"0.4\"" +
-           Ended("polygon", shape.tip);
+    return "<polygon" + Points(shape.points) + Painted({"fill", "stroke"}, shape.fill) +
+           (inlined ? "" : " stroke-width=\"0.4\"") + Ended("polygon", shape.tip);
   }
   std::string operator()(const LineShape& shape) const {
     return "<polyline" + Points(shape.points) + (inlined ? "" : " fill=\"none\"") + " stroke-width=\"" +
@@ -91,6 +91,7 @@ double TextWidth(const std::string& text, double size) { return 0.6 * size * sta
 
 std::vector<std::string> Wrapped(const std::string& text, double width, double size) {
   std::vector<std::string> lines;
+  if (text.empty()) return lines;
   for (const std::string_view word : SplitText(text, ' ')) {
     const std::string longer = lines.empty() ? "" : lines.back() + " " + std::string(word);
     if (!lines.empty() && TextWidth(longer, size) <= width) {

@@ -18,11 +18,10 @@ struct Colour {
 };
 
 constexpr Colour kInkColour = {40, 44, 52, "ink"}, kQuietColour = {110, 118, 128, "soft"},
-                 kFaintColour = {214, 218, 224, "grid"}, kPageColour = {255, 255, 255, "page"},
-                 kBeforeColour = {139, 149, 161, "before"}, kAfterColour = {37, 99, 201, "after"},
-                 kGoodColour = {44, 125, 79, "good"}, kSuspectColour = {176, 125, 0, "suspect"},
-                 kBadColour = {179, 57, 47, "bad"}, kLeftColour = {38, 110, 200, "left"},
-                 kRightColour = {224, 122, 32, "right"};
+                 kFaintColour = {214, 218, 224, "grid"}, kBeforeColour = {139, 149, 161, "before"},
+                 kAfterColour = {37, 99, 201, "after"}, kGoodColour = {44, 125, 79, "good"},
+                 kSuspectColour = {176, 125, 0, "suspect"}, kBadColour = {179, 57, 47, "bad"},
+                 kLeftColour = {38, 110, 200, "left"}, kRightColour = {224, 122, 32, "right"};
 constexpr Colour kGrey = {96, 102, 112}, kRed = {200, 48, 56}, kGreen = {36, 140, 78}, kBlue = {38, 110, 200},
                  kOrange = {214, 110, 20};
 

@@ -5,7 +5,6 @@
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"
-#include "report/charts.h"
 #include "report/motion_rows.h"
 #include "report/stages.h"
 
@@ -158,22 +157,6 @@ Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
                      {"shown", DescribeRows(*rows, *options)},
                      {"without", SourcesWithout(request, *rows)}};
   return outcome;
-}
-
-Expected<StageOutcome> PlotStage(const StageRequest& request) {
-  if (request.inputs.empty()) return Fail(ErrorCode::kInternal, "a plot needs its numbers", request.item);
-  const auto options = OptionsFromJson<PlotOptions>(request.options, "plot");
-  if (!options) return Forward(options);
-  const auto json = ReadJson(request.inputs.front().path);
-  if (!json) return Forward(json);
-  const auto sheet = SheetOf(*json);
-  if (!sheet) return Forward(sheet);
-  const Drawing drawing = sheet->Draw();
-  const bool svg = options->format == PictureFormat::kSvg;
-  if (Status written = WriteFile(request.output, svg ? ToSvg(drawing) : ToPng(drawing, 2.0)); !written) {
-    return Forward(written);
-  }
-  return StageOutcome();
 }
 
 }  // namespace mocurate

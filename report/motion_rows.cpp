@@ -129,8 +129,7 @@ void AddTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, c
   for (int k = 0; k < tracks.positions.joints; ++k) {
     if (!Observes(tracks, frame, k)) continue;
     const Vector2d at = seen(k).head<2>();
-    figure.parts.push_back({1e3, {}, {at, at}, kInkColour, 5.0});
-    figure.parts.push_back({1e3, {}, {at, at}, kPageColour, 3.4});
+    figure.parts.push_back({1e3, {}, {at, at}, kInkColour, 4.0});
   }
 }
 
@@ -149,10 +148,11 @@ SeenFigure FigureOf(const MotionRow& row, const Clip& clip, int frame, const Eye
   if (choice == FigureChoice::kSkin && row.skin) {
     AddSkin(*row.skin, *clip.motion, frame, eye, figure);
   } else if (choice == FigureChoice::kBones) {
-    AddBoneLines(*clip.motion, frame, eye, figure);
+    if (row.bones) AddBoneLines(*clip.motion, frame, eye, figure);
   } else {
     AddCapsules(clip, frame, eye, figure);
   }
+  if (row.tracks != nullptr) AddTracks(*row.tracks, *clip.motion->skeleton, frame, eye, figure);
   Order(figure);
   return figure;
 }
@@ -206,8 +206,8 @@ Vector3d SpanOf(const Motion& motion) {
 
 class RowsDrawing {
  public:
-  RowsDrawing(const std::vector<MotionRow>& rows, const MotionPictureOptions& options)
-      : rows_(rows), options_(options) {
+  RowsDrawing(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double names = kNames)
+      : rows_(rows), options_(options), names_(names) {
     double tallest = 0.5, widest = 0.3;
     for (const MotionRow& row : rows) {
       const std::vector<std::vector<int>> frames = FramesOf(row, options.stills);
@@ -230,7 +230,7 @@ class RowsDrawing {
     }
     scale_ = kFigure / tallest;
     cell_ = std::clamp(widest * scale_ * 0.8, kLeastCell, kMostCell);
-    column_width_ = kNames + cell_ * static_cast<double>(options.stills) + (options.path ? kPath : 0.0) + 2.0 * kSpace;
+    column_width_ = names_ + cell_ * static_cast<double>(options.stills) + (options.path ? kPath : 0.0) + 2.0 * kSpace;
   }
 
   Drawing Draw() {
@@ -248,7 +248,7 @@ class RowsDrawing {
       left_ = column_width_ * static_cast<double>(column);
       double y = top + kSpace;
       if (!heads[column].empty()) {
-        drawing_.Text(left_ + kNames, y += 12.0, heads[column], 13.0, TextAnchor::kStart, kInkColour, true);
+        drawing_.Text(left_ + names_, y += 12.0, heads[column], 13.0, TextAnchor::kStart, kInkColour, true);
         y += 6.0;
       }
       for (std::size_t r = 0; r < rows_.size(); ++r) {
@@ -313,7 +313,7 @@ class RowsDrawing {
       }
     }
     const auto write = [&](const std::string& text, double size, const Colour& colour, bool bold) {
-      for (const std::string& line : Wrapped(text, kNames - 2.0 * kSpace, size)) {
+      for (const std::string& line : Wrapped(text, names_ - 2.0 * kSpace, size)) {
         drawing_.Text(left_ + kSpace, top += size + 2.0, line, size, TextAnchor::kStart, colour, bold);
       }
     };
@@ -327,7 +327,7 @@ class RowsDrawing {
   double DrawRow(std::size_t r, double top) {
     const MotionRow& row = rows_[r];
     const SeenRow& seen = seen_[r];
-    const double names = DrawNames(r, top), left = left_ + kNames;
+    const double names = DrawNames(r, top), left = left_ + names_;
     if (row.clips.empty()) {
       drawing_.Text(left, top + 14.0, row.why, 12.0, TextAnchor::kStart, kQuietColour);
       return std::max(names, top + 20.0);
@@ -434,6 +434,7 @@ class RowsDrawing {
 
   const std::vector<MotionRow>& rows_;
   const MotionPictureOptions& options_;
+  const double names_;  ///< width of the names
   std::vector<SeenRow> seen_;
   double path_span_ = 0.0, scale_ = 1.0, cell_ = kLeastCell, column_width_ = 0.0, left_ = 0.0;
   Drawing drawing_;
@@ -578,34 +579,14 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
 }
 
 Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const JointTracks* tracks, bool bones) {
-  constexpr double kHeight = 200.0;
-  const std::vector<int> frames = StillFrames(motion.frame_count());
-  std::vector<SeenFigure> figures;
-  Eigen::AlignedBox2d box;
-  for (const int frame : frames) {
-    Eye eye = LevelEye(motion, frame, FrontView(motion));
-    eye.view.pitch = FrontView(motion).pitch;
-    SeenFigure bare, drawn;
-    AddBoneLines(motion, frame, eye, bare);
-    Order(bare);
-    box.extend(bare.box);
-    if (bones) drawn = bare;
-    for (SeenFigure::Part& part : drawn.parts) part.width = 3.0;
-    if (tracks != nullptr) AddTracks(*tracks, *motion.skeleton, frame, eye, drawn);
-    Order(drawn);
-    figures.push_back(std::move(drawn));
-  }
-  const double scale = (kHeight - 34.0) / std::max(0.3, box.sizes().y());
-  const double cell = std::clamp(box.sizes().x() * scale + 20.0, 60.0, 260.0);
-  Drawing drawing{cell * static_cast<double>(frames.size()), kHeight,
-                  "Stick figures of " + name + ", " + std::to_string(frames.size()) + " stills from " +
-                      std::to_string(motion.frame_count()) + " frames"};
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const double x = cell * (static_cast<double>(i) + 0.5);
-    Place(figures[i], {x - scale * box.center().x(), 8.0 + scale * box.max().y()}, scale, drawing);
-    drawing.Text(x, kHeight - 6.0, FixedText(motion.rate.FrameTime(frames[i]), 2) + " s", 13.0, TextAnchor::kMiddle,
-                 kQuietColour);
-  }
+  MotionPictureOptions options;
+  options.stills = 8;
+  options.path = false;
+  MotionRow row{"", "", {Clip()}, std::nullopt, "", tracks, bones};
+  row.clips.front().motion = motion;
+  const std::vector<MotionRow> rows = {row};
+  Drawing drawing = RowsDrawing(rows, options, 0.0).Draw();
+  drawing.title = "Stick figures of " + name + ", stills from " + Counted(motion.frame_count(), "frame");
   return drawing;
 }
 

@@ -18,9 +18,11 @@ namespace mocurate {
 struct MotionRow {
   std::string method;
   std::string label;
-  std::vector<Clip> clips;   ///< none: the row says `why`
-  std::optional<Skin> skin;  ///< drawn instead of bones
-  std::string why;           ///< why the source has no motion
+  std::vector<Clip> clips;              ///< none: the row says `why`
+  std::optional<Skin> skin;             ///< drawn instead of bones
+  std::string why;                      ///< why the source has no motion
+  const JointTracks* tracks = nullptr;  ///< observed points, drawn too
+  bool bones = true;                    ///< false: these alone
 };
 
 /// A set of motions with the name of its source.

@@ -47,10 +47,6 @@ void PictureOptions::Declare(OptionVisitor& v) {
            "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
 }
 
-void PlotOptions::Declare(OptionVisitor& v) {
-  v.Choice("format", format, {{"svg", PictureFormat::kSvg}, {"png", PictureFormat::kPng}}, "format of the picture");
-}
-
 void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Text("title", title, "title above the picture");
   v.Texts("labels", labels, "classes to show; empty: all");
@@ -90,8 +86,6 @@ StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-vid
 StageDeclaration MotionPictureDeclaration() { return {"draw", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration MotionVideoDeclaration() { return {"draw_video", 2, "mocurate-video", WholeSetLimits()}; }
-
-StageDeclaration PlotDeclaration() { return {"plot", 2, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration PictureDeclaration() { return {"picture", 4, "mocurate-annotate", ClipLimits()}; }
 

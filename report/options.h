@@ -69,13 +69,6 @@ struct ClipPageOptions {
 enum class FigureChoice { kBones, kCapsules, kSkin };
 enum class PictureFormat { kSvg, kPng };
 
-/// Options of a sheet of plots.
-struct PlotOptions {
-  PictureFormat format = PictureFormat::kSvg;
-
-  void Declare(OptionVisitor& v);
-};
-
 /// Options of a picture of motions: rows of methods, labels and samples, each of equally spaced frames.
 struct MotionPictureOptions {
   std::string title;

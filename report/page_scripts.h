@@ -35,7 +35,7 @@ table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%);
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
-svg polyline { fill: none; stroke: var(--c); } svg polygon { fill: var(--c); stroke: var(--c); } svg text { fill: var(--c); }
+svg polyline { fill: none; stroke: var(--c); } svg polygon { fill: var(--c); stroke: var(--c); stroke-width: 0.4; } svg text { fill: var(--c); }
 .c-ink { --c: var(--ink); } .c-soft { --c: var(--soft); } .c-grid { --c: var(--grid); } .c-page { --c: var(--page); }
 .c-before { --c: var(--before); } .c-after { --c: var(--after); } .c-good { --c: var(--good); }
 .c-suspect { --c: var(--suspect); } .c-bad { --c: var(--bad); } .c-left { --c: var(--left); } .c-right { --c: var(--right); }

@@ -91,6 +91,23 @@ std::string Figures(const DrawnClip& clip) {
   return Paragraph(text, "soft");
 }
 
+/// Clips over a measure, before and after the fit; values beyond the 98th percentile of both are in the last bin.
+Plot Histogram(const std::string& name, const std::string& unit, const std::vector<double>& before,
+               const std::vector<double>& after) {
+  constexpr int kBins = 32;
+  const double high = std::max({Quantile(before, 0.98), Quantile(after, 0.98), 1e-9});
+  Plot plot{name, unit, "clips"};
+  for (const auto& [label, values, colour] : {std::tuple("before", &before, 5), std::tuple("after", &after, 0)}) {
+    PlotCurve curve{label, {}, colour};
+    for (int bin = 0; bin < kBins; ++bin) curve.points.push_back({high * (bin + 0.5) / kBins, 0.0});
+    for (const double value : *values) {
+      curve.points[static_cast<std::size_t>(std::clamp(static_cast<int>(value / high * kBins), 0, kBins - 1))].y += 1.0;
+    }
+    if (!values->empty()) plot.curves.push_back(std::move(curve));
+  }
+  return plot;
+}
+
 /// Share of whitened errors within a number of estimated standard deviations, beside the expected share.
 std::string CoverageChart(const nlohmann::json& error) {
   Plot chart{"Errors within a number of estimated standard deviations", "standard deviations", "%", {{}, {}}};
@@ -121,13 +138,11 @@ std::string QualityHtml(const ReportInput& input) {
     table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
-    const TwoSidedHistogram chart{name + ": clips before (above) and after (below)", measure.unit, before, after};
-    charts += Figure(name, ToInlineSvg(chart.Draw()));
+    charts += Figure(name, ToInlineSvg(Histogram(name, measure.unit, before, after).Draw()));
   }
   const std::vector<double> residuals = OverClips(input.run, "", "residual_rms_mm");
   if (residuals.size() >= kFewClips) {
-    const TwoSidedHistogram chart{"Residual RMS per clip, mm", "mm", {}, residuals};
-    charts += Figure("Residual RMS, mm", ToInlineSvg(chart.Draw()));
+    charts += Figure("Residual RMS, mm", ToInlineSvg(Histogram("Residual RMS per clip", "mm", {}, residuals).Draw()));
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())
@@ -136,11 +151,7 @@ std::string QualityHtml(const ReportInput& input) {
   if (!table.rows.empty()) html += table.Html();
   html += fit;
   if (charts.empty()) return html;
-  html += Paragraph(
-      "<span class=\"k-before\"></span>before (upwards)<span class=\"k-after\"></span>after (downwards); one clip "
-      "counts "
-      "once, the dashed line is the median, the last bin holds everything beyond.",
-      "key soft");
+  html += Paragraph("Clips over each measure; the last bin holds everything beyond.", "soft");
   return html + "<div class=\"charts\">\n" + charts + "</div>\n";
 }
 

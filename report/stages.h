@@ -22,9 +22,6 @@ Expected<StageOutcome> ClipVideoStage(const StageRequest& request);
 /// Sets of motions (role "motions", named after their source; role "body": a skin to draw them with) -> SVG or PNG.
 Expected<StageOutcome> MotionPictureStage(const StageRequest& request);
 
-/// Numbers (the first input, as of SheetOf) -> SVG or PNG of plots.
-Expected<StageOutcome> PlotStage(const StageRequest& request);
-
 /// Sets of motions as for MotionPictureStage -> an H.264 video, all rows side by side (report_video).
 Expected<StageOutcome> MotionVideoStage(const StageRequest& request);
 
@@ -49,7 +46,6 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request);
 /// What the runner must know of each stage; versions are in options.cpp.
 StageDeclaration MotionPictureDeclaration();
 StageDeclaration MotionVideoDeclaration();
-StageDeclaration PlotDeclaration();
 StageDeclaration ClipPageDeclaration();
 StageDeclaration ClipVideoDeclaration();
 StageDeclaration ReportDeclaration();

@@ -38,7 +38,6 @@ int main(int argc, char** argv) {
                     {FitErrorDeclaration().name, FitErrorStage},
                     {ReportDeclaration().name, ReportStage},
                     {MotionPictureDeclaration().name, MotionPictureStage},
-                    {PlotDeclaration().name, PlotStage},
                     {ClipPageDeclaration().name, ClipPageStage},
                     {ReviewDeclaration().name, ReviewStage},
                     {AnnotateDeclaration().name, AnnotateStage},

@@ -12,6 +12,7 @@
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/page_screen.h"
 #include "job/verbs/reproduce.h"
+#include "report/charts.h"
 #include "report/options.h"
 #include "report/stages.h"
 #include "train/items.h"
@@ -278,22 +279,21 @@ class PictureMaker {
     if (sets.empty()) return {};
     ItemSpec item{"motions", nlohmann::json(), {}};
     for (const DrawnSet& one : sets) item.inputs.push_back({"motions", one.name, one.file, ""});
-    return WritePicture(MotionPictureDeclaration(), std::move(item), OptionsToJson(shown), picture.name);
+    return WritePicture(std::move(item), OptionsToJson(shown), picture.name);
   }
 
-  /// pictures/NAME.svg and .png by a stage, and NAME.json with what a picture of motions shows.
-  Status WritePicture(const StageDeclaration& stage, ItemSpec item, nlohmann::json options, const std::string& name) {
+  /// pictures/NAME.svg and .png, and NAME.json with what they show.
+  Status WritePicture(ItemSpec item, nlohmann::json options, const std::string& name) {
     const fs::path folder = run_.folder / "pictures";
     if (Status made = MakeFolder(folder); !made) return made;
     for (const char* format : {"svg", "png"}) {
       options["format"] = format;
       item.options = options;
-      const auto drawn = stages_->One(stage, item);
+      const auto drawn = stages_->One(MotionPictureDeclaration(), item);
       if (!drawn) return Forward(drawn);
       const fs::path file = folder / (name + "." + format);
       if (Status copied = CopyWhole(drawn->artifact, file); !copied) return copied;
       made_.files.push_back(file);
-      if (!drawn->summary.contains("shown")) continue;
       const nlohmann::json json = {
           {"title", options.at("title")}, {"corner", options.at("corner")}, {"rows", drawn->summary.at("shown")}};
       if (Status written = WriteFile(folder / (name + ".json"), json.dump(1) + "\n"); !written) return written;
@@ -303,7 +303,7 @@ class PictureMaker {
 
   // Curves.
 
-  using Curves = std::map<std::string, std::map<double, nlohmann::json>>;  // points by row and x
+  using Curves = std::map<std::string, std::map<double, PlotPoint>>;  // points by row and x
 
   /// The number of a row "NAME, step 4" or of a set "uestc_50", and NAME.
   static std::optional<std::pair<std::string, double>> PlaceOf(const std::string& set, std::string name) {
@@ -333,7 +333,7 @@ class PictureMaker {
     const std::string metric = point == std::string::npos ? wanted : wanted.substr(point + 1);
     for (const DataSetOptions& set : options_.data) {
       if (run_.sets.done.count(set.name) == 0) continue;
-      if (point != std::string::npos && wanted.compare(0, point, set.name) != 0) continue;
+      if (point != std::string::npos && wanted.substr(0, point) != set.name) continue;
       for (const char* table : {"table.json", "recognition.json"}) {
         const fs::path file = run_.folder / "data" / set.name / "tables" / table;
         if (Earlier(file)) continue;
@@ -343,11 +343,12 @@ class PictureMaker {
           const auto place = PlaceOf(set.name, row.at("name").get<std::string>());
           const nlohmann::json value = row.value("metrics", nlohmann::json::object()).value(metric, nlohmann::json());
           if (!place || !value.is_object() || !value.at("value").is_number()) continue;
-          nlohmann::json& at = curves[place->first][place->second];
-          at = {{"x", place->second}, {"y", value["value"]}};
-          if (!value.contains("interval") || !value["interval"].is_array()) continue;
-          at["low"] = value["interval"][0];
-          at["high"] = value["interval"][1];
+          PlotPoint at{place->second, value["value"].get<double>()};
+          if (value.contains("interval") && value["interval"].is_array()) {
+            at.low = value["interval"][0].get<double>();
+            at.high = value["interval"][1].get<double>();
+          }
+          curves[place->first][place->second] = at;
         }
       }
     }
@@ -355,42 +356,39 @@ class PictureMaker {
   }
 
   /// Adds the curves of a metric that a plot shows.
-  void AddCurves(const PaperPlotOptions& plot, const std::string& metric, nlohmann::json& to) const {
+  void AddCurves(const PaperPlotOptions& asked, const std::string& metric, Plot& plot) const {
     for (const auto& [row, points] : PointsOf(metric)) {
-      const auto named = plot.curves.find(row);
-      if ((!plot.curves.empty() && named == plot.curves.end()) || points.size() < 2) continue;
-      std::string name = plot.curves.empty() ? row : named->second;
-      if (!plot.right.empty()) name += (name.empty() ? "" : ": ") + metric.substr(metric.find('.') + 1);
-      nlohmann::json curve = {{"name", name}, {"right", metric == plot.right}, {"points", nlohmann::json::array()}};
-      for (const auto& [x, point] : points) curve["points"].push_back(point);
-      to.push_back(std::move(curve));
+      const auto named = asked.curves.find(row);
+      if ((!asked.curves.empty() && named == asked.curves.end()) || points.size() < 2) continue;
+      PlotCurve curve{asked.curves.empty() ? row : named->second, {}, -1, metric == asked.right};
+      if (!asked.right.empty()) curve.name += (curve.name.empty() ? "" : ": ") + MetricOf(metric);
+      for (const auto& [x, point] : points) curve.points.push_back(point);
+      plot.curves.push_back(std::move(curve));
     }
   }
+
+  static std::string MetricOf(const std::string& text) { return text.substr(text.find('.') + 1); }
 
   Status DrawCurves() {
     std::vector<const DataSetOptions*> sets;
     for (const DataSetOptions& set : options_.data) sets.push_back(&set);
-    nlohmann::json sheet = {{"title", options_.reproduce.shows},
-                            {"corner", CornerOf(sets)},
-                            {"plots", nlohmann::json::array()},
-                            {"columns", 2}};
+    PlotSheet sheet{options_.reproduce.shows, "", CornerOf(sets), {}, 2};
     for (const PaperPlotOptions& asked : options_.reproduce.plots) {
-      nlohmann::json plot = {{"title", asked.title},
-                             {"x_name", options_.reproduce.curve},
-                             {"y_name", asked.metric.substr(asked.metric.find('.') + 1)},
-                             {"right_name", asked.right.substr(asked.right.find('.') + 1)},
-                             {"curves", nlohmann::json::array()}};
-      if (asked.solid.size() == 2) plot["solid"] = asked.solid;
-      AddCurves(asked, asked.metric, plot["curves"]);
-      if (!asked.right.empty()) AddCurves(asked, asked.right, plot["curves"]);
-      if (plot["curves"].empty()) Lose("plot '" + asked.title + "'", "no row of the tables has " + asked.metric);
-      sheet["plots"].push_back(std::move(plot));
+      Plot plot{asked.title, options_.reproduce.curve, MetricOf(asked.metric), {}, MetricOf(asked.right)};
+      if (asked.solid.size() == 2) plot.solid = {asked.solid[0], asked.solid[1]};
+      AddCurves(asked, asked.metric, plot);
+      if (!asked.right.empty()) AddCurves(asked, asked.right, plot);
+      if (plot.curves.empty()) Lose("plot '" + asked.title + "'", "no row of the tables has " + asked.metric);
+      sheet.plots.push_back(std::move(plot));
     }
-    const fs::path numbers = run_.folder / "pictures/curves.json";
-    if (Status made = MakeFolder(numbers.parent_path()); !made) return made;
-    if (Status written = WriteFile(numbers, sheet.dump(1) + "\n"); !written) return written;
-    return Finished("the curves", WritePicture(PlotDeclaration(), {"curves", {}, {{"plots", "curves", numbers, ""}}},
-                                               nlohmann::json::object(), "curves"));
+    const fs::path picture = run_.folder / "pictures/curves.svg";
+    if (Status made = MakeFolder(picture.parent_path()); !made) return made;
+    if (Status written = WriteFile(run_.folder / "pictures/curves.json", sheet.Json().dump(1) + "\n"); !written) {
+      return written;
+    }
+    if (Status written = WriteFile(picture, ToSvg(sheet.Draw())); !written) return written;
+    made_.files.push_back(picture);
+    return {};
   }
 
   // Studies.

@@ -420,7 +420,7 @@ class Reproduction {
     for (const char* ending : {".md", ".csv", ".tex", ".json"}) {
       note("tables/" + name_ + ending, json_.at("table").is_string(), JobStage::kTable);
     }
-    std::vector<std::string> pictures = {"pictures/curves.svg", "pictures/curves.png"};
+    std::vector<std::string> pictures = {"pictures/curves.svg"};
     for (const DrawnMotionsOptions& picture : item().pictures) {
       for (const char* ending : {".svg", ".png"}) pictures.push_back("pictures/" + picture.name + ending);
     }

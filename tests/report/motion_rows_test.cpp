@@ -134,21 +134,14 @@ TEST(MotionRowsInABrowser, ThePictureIsRenderedAndFullOfFigures) {
 }
 
 TEST(Plots, CurvesMarksAndBandsLieWithinThePicture) {
-  const nlohmann::json json = {
-      {"title", "a title of many words, which is as long as the one of a picture that says where its data are from"},
-      {"corner", "profile smoke"},
-      {"plots",
-       {{{"title", "FID"},
-         {"x_name", "step"},
-         {"right_name", "accuracy"},
-         {"solid", {1, 5}},
-         {"curves",
-          {{{"name", "Ours"},
-            {"points", {{{"x", 1}, {"y", 2.0}, {"low", 1.5}, {"high", 9.0}}, {{"x", 20}, {"y", -3.0}}}}},
-           {{"name", "Theirs"}, {"right", true}, {"points", {{{"x", 3}, {"y", 0.5}}}}}}}}}}};
-  const auto sheet = SheetOf(json);
-  ASSERT_TRUE(sheet) << sheet.error().Message();
-  const Drawing drawing = sheet->Draw();
+  PlotSheet sheet{"a title of many words, as long as the one of a picture that says where its data are from",
+                  "",
+                  "profile smoke",
+                  {}};
+  Plot plot{"FID", "step", "", {}, "accuracy", std::array<double, 2>{1.0, 5.0}};
+  plot.curves = {{"Ours", {{1.0, 2.0, 1.5, 9.0}, {20.0, -3.0}}}, {"Theirs", {{3.0, 0.5}}, -1, true}};
+  sheet.plots = {plot};
+  const Drawing drawing = sheet.Draw();
   const Eigen::AlignedBox2d box = Bounds(drawing);
   EXPECT_GE(box.min().minCoeff(), 0.0);
   EXPECT_LE(box.max().x(), drawing.width);
@@ -156,7 +149,7 @@ TEST(Plots, CurvesMarksAndBandsLieWithinThePicture) {
   for (const char* text : {"Ours", "Theirs", "profile smoke", "stroke-dasharray"}) {
     EXPECT_THAT(ToSvg(drawing), HasSubstr(text));
   }
-  EXPECT_FALSE(SheetOf(nlohmann::json{{"plots", {{{"title", 3}}}}}));
+  EXPECT_EQ(sheet.Json()["plots"][0]["curves"][0]["points"][0]["high"], 9.0);
 }
 
 }  // namespace

@@ -388,19 +388,13 @@ TEST_F(StageVersions, ReportAndPicture) {
   Judge(PictureDeclaration(), "picture", {clip.id(), OptionsToJson(PictureOptions()), drawn}, kComputed);
 }
 
-TEST_F(StageVersions, PicturesOfMotionsAndPlots) {
+TEST_F(StageVersions, PicturesOfMotions) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
   const std::vector<StageInput> motions = {Input("motions", "real", "dataset.h5")};
   Judge(MotionPictureDeclaration(), "draw", {"motions", OptionsToJson(MotionPictureOptions()), motions}, kRounded);
   MotionPictureOptions one;
   one.clips = {SmallDataset().clips.front().id()};
   Judge(MotionVideoDeclaration(), "draw_video", {"motions", OptionsToJson(one), motions}, kRounded);
-  const nlohmann::json point = {{"x", 1.0}, {"y", 2.0}};
-  const nlohmann::json curve = {{"name", "a"}, {"points", {point}}};
-  const nlohmann::json plot = {{"title", "t"}, {"x_name", "x"}, {"y_name", "y"}, {"curves", {curve}}};
-  Write(WriteFile(Path("plots.json"), nlohmann::json{{"plots", {plot}}}.dump()));
-  Judge(PlotDeclaration(), "plot", {"plots", nlohmann::json::object(), {Input("plots", "plots", "plots.json")}},
-        kRounded);
 }
 
 std::string ReadText(const std::filesystem::path& path) {
