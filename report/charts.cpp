@@ -52,7 +52,7 @@ struct AxisRange {
   void Widen(bool margin) {
     if (!(high >= low)) low = 0.0, high = 1.0;
     if (margin && low > 0.0 && low < 0.5 * high) low = 0.0;
-    if (high == low) high = low + std::max(1e-6, std::abs(low));
+    if (high == low) high = low + (low != 0.0 ? std::abs(low) : 1.0);
     const double more = margin ? 0.05 * (high - low) : 0.0;
     if (low != 0.0) low -= more;
     high += more;
@@ -82,7 +82,7 @@ class PlotPainter {
   }
 
   double Draw() {
-    drawing_.Text(left_ - kLeft + 4.0, top_ - 22.0, plot_.title, 12.0, TextAnchor::kStart, kInkColour, true);
+    drawing_.Text(left_ - kLeft + 8.0, top_ - 22.0, plot_.title, 12.0, TextAnchor::kStart, kInkColour, true);
     DrawAxes();
     std::vector<std::pair<std::string, Colour>> names;
     for (const bool bands : {true, false}) {
@@ -130,7 +130,7 @@ class PlotPainter {
     }
     drawing_.Line({{left_, top_}, {left_, bottom}, {end, bottom}}, 1.0, kQuietColour);
     drawing_.Text(end, bottom + 33.0, plot_.x_name, kText, TextAnchor::kEnd, kQuietColour);
-    drawing_.Text(left_ - kLeft + 4.0, top_ - 8.0, plot_.y_name, kText, TextAnchor::kStart, kQuietColour);
+    drawing_.Text(left_ - kLeft + 8.0, top_ - 8.0, plot_.y_name, kText, TextAnchor::kStart, kQuietColour);
   }
 
   void DrawBand(const PlotCurve& curve, const Colour& colour) {

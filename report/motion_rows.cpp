@@ -351,7 +351,8 @@ class RowsDrawing {
       while (first + count < seen.stills.size() && seen.stills[first + count].clip == c) ++count;
       const double begin = left + step * static_cast<double>(first), end = begin + step * static_cast<double>(count);
       if (row.clips.size() > 1 && row.clips[c].segments.empty()) {
-        bottom = std::max(bottom, Bracket(begin + 4.0, end - 4.0, below + 16.0, 0.0, row.clips[c].label, kRed));
+        bottom = std::max(
+            bottom, Bracket(begin + 4.0, end - 4.0, below + 16.0, 0.0, WordOf(row.clips[c].label, options_), kRed));
       }
       bottom = std::max(bottom, DrawSegments(row.clips[c], begin, step, static_cast<double>(count), below + 16.0));
       first += count;

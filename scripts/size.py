@@ -1,22 +1,30 @@
 #!/usr/bin/env python3
 """Lines of C++ per module without blank lines and comments. Usage: scripts/size.py [--files] [COMMIT]
 
-Sources are formatted by scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total
+Scripts and styles of pages, R"js(...)js" and R"css(...)css", are a row of their own. Sources are formatted by scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total
 without tests. With COMMIT that of the commit stands beside; --files lists the largest files of each module.
 """
 import re
 import subprocess
 import sys
 
-MODULES = ["core", "ingest", "fitting", "canon", "train", "eval", "report", "app", "job", "tests"]
+MODULES = ["core", "ingest", "fitting", "canon", "train", "eval", "report", "app", "job", "scripts", "tests"]
 
 
 def git(*arguments):
     return subprocess.run(["git", *arguments], capture_output=True, check=True).stdout.decode("utf-8", "replace")
 
 
+SCRIPT = re.compile(r'R"(js|css|html)\((.*?)\)\1"', re.S)
+
+
+def script_lines(text):
+    return sum(1 for match in SCRIPT.finditer(text) for line in match.group(2).split("\n") if line.strip())
+
+
 def code_lines(text):
     """Counts lines that hold more than comments; texts in quotes may hold what looks like one."""
+    text = SCRIPT.sub('""', text)
     text = re.sub(r'("(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\')|//[^\n]*|/\*.*?\*/',
                   lambda m: m.group(1) or "\n" * m.group(0).count("\n"), text, flags=re.S)
     return sum(1 for line in text.split("\n") if line.strip())
@@ -34,6 +42,8 @@ def sizes(commit):
         except FileNotFoundError:
             continue  # deleted, not yet committed
         counted[name] = code_lines(text)
+        if (scripts := script_lines(text)) and name.split("/")[0] != "tests":
+            counted["scripts/" + name] = scripts
     return counted
 
 
@@ -47,7 +57,7 @@ def main():
         own = {n: c for n, c in now.items() if n.split("/")[0] == module}
         then = sum(c for n, c in before.items() if n.split("/")[0] == module)
         total = sum(own.values())
-        if module == "tests":
+        if module == "scripts":
             print(line("product", *product))
         product = [product[0] + total, product[1] + then]
         if total or then:

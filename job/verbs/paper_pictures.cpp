@@ -2,6 +2,7 @@
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
@@ -9,6 +10,7 @@
 #include "core/base/text.h"
 #include "core/store/store.h"
 #include "job/run_folder.h"
+#include "job/verbs/generate.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/page_screen.h"
 #include "job/verbs/reproduce.h"
@@ -236,6 +238,30 @@ class PictureMaker {
     return std::vector<DrawnSet>{{row.name, *file}};
   }
 
+  /// Successive actions of the scripts that no training sample has: "squat to jump".
+  Expected<std::string> UnseenPairs(const DrawnMotionsOptions& picture, const fs::path& dataset) const {
+    const auto set = ReadDataset(dataset);
+    if (!set) return Forward(set);
+    std::set<std::pair<std::string, std::string>> seen, unseen;
+    for (std::size_t i = 0; i < set->clips.size(); ++i) {
+      const std::vector<Segment>& parts = set->clips[i].segments;
+      const bool trains = set->splits.empty() || std::count(set->splits.front().train.begin(),
+                                                            set->splits.front().train.end(), static_cast<int>(i)) > 0;
+      if (trains && parts.size() > 1) seen.emplace(parts.front().label, parts.back().label);
+    }
+    for (const std::string& text : picture.scripts) {
+      const auto script = ReadScript(text);
+      if (!script) return Forward(script);
+      for (std::size_t k = 1; k < script->actions.size(); ++k) {
+        const std::pair pair(script->actions[k - 1].action, script->actions[k].action);
+        if (seen.count(pair) == 0) unseen.insert(pair);
+      }
+    }
+    std::vector<std::string> texts;
+    for (const auto& [before, after] : unseen) texts.push_back(before + " to " + after);
+    return JoinTexts(texts);
+  }
+
   Status Draw(const DrawnMotionsOptions& picture) {
     const DataSetOptions& set = SetOf(picture.set);
     const auto folder = FolderOf(set);
@@ -277,6 +303,11 @@ class PictureMaker {
       sets.insert(sets.end(), own->begin(), own->end());
     }
     if (sets.empty()) return {};
+    if (!picture.themes.empty()) {
+      const auto unseen = UnseenPairs(picture, *folder / "dataset.h5");
+      if (!unseen) return Forward(unseen);
+      if (!unseen->empty()) shown.corner += "; pairs that training lacks: " + *unseen;
+    }
     ItemSpec item{"motions", nlohmann::json(), {}};
     for (const DrawnSet& one : sets) item.inputs.push_back({"motions", one.name, one.file, ""});
     return WritePicture(std::move(item), OptionsToJson(shown), picture.name);

@@ -133,6 +133,53 @@ TEST(MotionRowsInABrowser, ThePictureIsRenderedAndFullOfFigures) {
   EXPECT_THAT(ReadFile(place / "dom.html").value_or(""), HasSubstr("ink true edge 0"));
 }
 
+/// Texts of pictures that a browser draws beyond their edge, or over each other: their number.
+int CutTexts(const std::vector<Drawing>& drawings) {
+  const ScratchFolder place;
+  std::string page = "<!doctype html><meta charset=utf-8><body>";
+  for (const Drawing& drawing : drawings) page += ToSvg(drawing);
+  page +=
+      "<p id=cut></p><script>let cut=0,all=0;for(const s of document.querySelectorAll('svg')){const "
+      "[,,W,H]=s.getAttribute('viewBox').split(' ').map(Number),boxes=[...s.querySelectorAll('text')].map(t=>t.getBBox"
+      "());all+=boxes.length;boxes.forEach((a,i)=>{if(a.x<0||a.y<0||a.x+a.width>W||a.y+a.height>H)cut++;boxes.slice(i+"
+      "1)"
+      ".forEach(b=>{if(Math.min(a.x+a.width,b.x+b.width)-Math.max(a.x,b.x)>1&&Math.min(a.y+a.height,b.y+b.height)-Math."
+      "max(a.y,b.y)>4)cut++;});});}document.getElementById('cut').textContent='cut '+(all>20?cut:99)+'.';</script>";
+  EXPECT_TRUE(WriteFile(place / "index.html", page));
+  EXPECT_EQ(Browse(place, "--virtual-time-budget=3000 --dump-dom"), 0);
+  const std::string document = ReadFile(place / "dom.html").value_or("");
+  const std::size_t at = document.find("cut \"") == std::string::npos ? document.find("<p id=\"cut\">cut ") : 0;
+  return at == std::string::npos ? -1 : std::atoi(document.c_str() + at + std::string("<p id=\"cut\">cut ").size());
+}
+
+TEST(MotionRowsInABrowser, NoTextIsCutOrCoversAnother) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  MotionPictureOptions plain;
+  plain.title = "a title that is much longer than the picture is wide, so that it continues in a second line below";
+  plain.corner = "profile smoke; a set with a long name: stand-in by the studio";
+  plain.words = {{"walk", "walking up and down the long corridor"}};
+  plain.absent = {{"a method without code", "no code in this project"}};
+  MotionPictureOptions themes = plain;
+  themes.themes = {"squat, jump and jumping squat", "pick up and place somewhere else", "a", "b"};
+  std::vector<MotionRow> rows = Chosen(plain);
+  rows[0].method = "Ours, all bones of skeleton B x 1.25, after 10,000 iterations";
+  for (MotionRow& row : rows) {
+    if (!row.clips.empty())
+      row.clips[0].segments = {
+          {0.0, 0.3, "walk", "", "recorded"}, {0.3, 0.6, "transition", "", ""}, {0.6, 1.0, "sit down", "", ""}};
+  }
+  Plot plot{"accuracy and FID", "frames", "accuracy", {}, "FID_test", std::array<double, 2>{60.0, 60.0}};
+  plot.curves = {{"recorded and generated motions", {{40.0, 1234567.0, 1e5, 2e6}, {120.0, -3.0}}},
+                 {"ACTOR + SSMCT (w. align)", {{40.0, 0.001}, {120.0, 0.002}}, -1, true}};
+  BarChart bars{"shares", {{"Ours w/o Lie", {{0.3, kBlue, "rank 1"}, {0.7, kRed, "rank 2"}}, "64 % in the first two"}}};
+  bars.full = 1.0;
+  bars.legend = bars.rows[0].parts;
+  bars.note = "20 participants. Whiskers: 95 % (Wilson), assuming independent votes.";
+  EXPECT_EQ(CutTexts({DrawMotionRows(rows, plain), DrawMotionRows(rows, themes),
+                      PlotSheet{plain.title, plain.title, plain.corner, {plot, plot, plot}, 2}.Draw(), bars.Draw()}),
+            0);
+}
+
 TEST(Plots, CurvesMarksAndBandsLieWithinThePicture) {
   PlotSheet sheet{"a title of many words, as long as the one of a picture that says where its data are from",
                   "",
