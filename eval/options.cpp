@@ -277,7 +277,7 @@ void ScoreOptions::Declare(OptionVisitor& v) {
   v.TextMap("equivalent", equivalent, "class -> classes accepted for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 8, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 9, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 4, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 4, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 4, "mocurate-annotate", WholeSetLimits()}; }

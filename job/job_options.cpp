@@ -81,6 +81,7 @@ void DrawnMotionsOptions::Declare(OptionVisitor& v) {
   v.Bool("over_training", over_training, "draw each network after every step of its samples_at, in its own column");
   v.List("skeletons", skeletons, "skeletons on each of which each motion is drawn; empty: the network's own");
   v.Bool("continues", continues, "scripts continue motions of the set, which the rows begin with");
+  v.Bool("unseen_pairs", unseen_pairs, "name pairs of actions of the scripts that no training sample has");
   v.Bool("path", path, "draw the root's path beside each row");
   v.Bool("world", world, "rows in one view, over the floor of their first frame");
   v.Bool("canonicalisation", canonicalisation,

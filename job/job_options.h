@@ -67,6 +67,7 @@ struct DrawnMotionsOptions {
   bool over_training = false;          ///< each network after every step of its `samples_at`, in a column of its own
   std::vector<DrawnSkeletonOptions> skeletons;  ///< each motion on each of these; empty: the network's own
   bool continues = false;                       ///< scripts continue motions of the set, which the rows begin with
+  bool unseen_pairs = false;                    ///< the title names pairs of actions that training lacks
   bool path = false;                            ///< the root's path beside each row
   bool world = false;                           ///< rows in one view, over the floor of their first frame
   bool canonicalisation = false;                ///< no networks: frames in which a motion of the set is placed

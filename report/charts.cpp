@@ -11,7 +11,7 @@ namespace {
 
 // Pixels.
 constexpr double kText = 11.0;
-constexpr double kPlotWidth = 440.0, kPlotHeight = 250.0, kLeft = 52.0, kRight = 14.0, kTop = 36.0, kBottom = 44.0;
+constexpr double kPlotWidth = 440.0, kPlotHeight = 250.0, kLeft = 60.0, kRight = 14.0, kTop = 36.0, kBottom = 44.0;
 constexpr double kLegendLine = 16.0;
 
 /// Blue, orange, green, purple, ochre, grey, then others that colour-blind people tell apart.
@@ -21,10 +21,7 @@ const Colour& CurveColour(int index) {
   return kCurveColours[static_cast<std::size_t>(index) % std::size(kCurveColours)];
 }
 
-std::string MarkText(double value) {
-  if (value != 0.0 && std::abs(value) >= 1e4) return FormatDouble(std::round(value / 100.0) / 10.0) + "k";
-  return FormatDouble(std::round(value * 1e6) / 1e6);
-}
+std::string MarkText(double value) { return RoundedText(value, 6); }
 
 /// Names beside samples of their colours, in lines of at most `width`; returns where the last line ends.
 double DrawLegend(const std::vector<std::pair<std::string, Colour>>& names, double left, double top, double width,
@@ -239,26 +236,26 @@ Drawing BarChart::Draw() const {
   std::vector<std::pair<std::string, Colour>> names;
   for (const BarPart& part : legend) names.emplace_back(part.name, part.colour);
   y = DrawLegend(names, left, y, kBar, drawing);
-  if (!note.empty()) drawing.Text(8.0, y += 18.0, note, kText, TextAnchor::kStart, kQuietColour);
-  drawing.height = y + (note.empty() ? 2.0 : 8.0);
+  y = drawing.Block(8.0, y + 4.0, drawing.width - 16.0, note, kText);
+  drawing.height = drawing.Block(drawing.width - 8.0, y, drawing.width - 16.0, corner, kText, TextAnchor::kEnd) + 4.0;
   return drawing;
 }
 
-Drawing Plot::Draw() const {
-  Plot untitled = *this;
-  untitled.title.clear();
-  Drawing drawing{kPlotWidth, 0.0, title};
-  drawing.height = PlotPainter(untitled, 0.0, -16.0, drawing).Draw() - 16.0;
-  return drawing;
+std::string PlotHtml(const Plot& plot) {
+  const bool finite = std::any_of(plot.curves.begin(), plot.curves.end(), [](const PlotCurve& curve) {
+    return std::any_of(curve.points.begin(), curve.points.end(), [](const PlotPoint& p) { return std::isfinite(p.y); });
+  });
+  PlotSheet sheet{"", "", "", {plot}};
+  sheet.plots.front().title.clear();
+  Drawing drawing = sheet.Draw();
+  drawing.title = plot.title;
+  return finite ? ToInlineSvg(drawing) : "";
 }
 
 Drawing PlotSheet::Draw() const {
   const auto across = static_cast<std::size_t>(std::clamp(static_cast<int>(plots.size()), 1, std::max(1, columns)));
   Drawing drawing{kPlotWidth * static_cast<double>(across), 0.0, title};
-  double top = 6.0;
-  for (const std::string& line : Wrapped(title, drawing.width - 16.0, 14.0)) {
-    drawing.Text(8.0, top += 16.0, line, 14.0, TextAnchor::kStart, kInkColour, true);
-  }
+  double top = drawing.Block(8.0, 6.0, drawing.width - 16.0, title, 14.0, TextAnchor::kStart, kInkColour, true);
   for (std::size_t first = 0; first < plots.size(); first += across) {
     double height = 0.0;
     for (std::size_t i = first; i < std::min(plots.size(), first + across); ++i) {
@@ -267,13 +264,8 @@ Drawing PlotSheet::Draw() const {
     }
     top += height + 4.0;
   }
-  for (const std::string* text : {&note, &corner}) {
-    for (const std::string& line : Wrapped(*text, drawing.width - 16.0, kText)) {
-      const bool right = text == &corner;
-      drawing.Text(right ? drawing.width - 8.0 : 8.0, top += 14.0, line, kText,
-                   right ? TextAnchor::kEnd : TextAnchor::kStart, kQuietColour);
-    }
-  }
+  top = drawing.Block(8.0, top, drawing.width - 16.0, note, kText);
+  top = drawing.Block(drawing.width - 8.0, top, drawing.width - 16.0, corner, kText, TextAnchor::kEnd);
   drawing.height = top + 8.0;
   return drawing;
 }

@@ -30,7 +30,7 @@ struct BarChart {
   std::vector<Row> rows{};
   double full = 0.0;  ///< value of a full bar; 0: of the longest row
   std::vector<BarPart> legend{};
-  std::string note{};  ///< below the bars
+  std::string note{}, corner{};  ///< below the bars
 
   Drawing Draw() const;
 };
@@ -57,8 +57,6 @@ struct Plot {
   std::optional<std::array<double, 2>> solid{};    ///< curves are dashed outside: values that training lacked
   std::vector<std::string> x_texts{};              ///< names of x = 0, 1, ...; else numbers
   std::optional<std::array<double, 2>> decades{};  ///< a logarithmic y axis between these powers of ten
-
-  Drawing Draw() const;
 };
 
 /// Plots below a title and above a note, at most `columns` side by side.
@@ -72,6 +70,9 @@ struct PlotSheet {
   /// "low", "high"}]}]}]}; what is absent is left out.
   nlohmann::json Json() const;
 };
+
+/// A plot in a page, without its title; empty without a finite number.
+std::string PlotHtml(const Plot& plot);
 
 /// A plot a damage from eval's dose_response.json: each metric over the doses, as a multiple of its value on undamaged
 /// motions (of real motions, where that is 0 or the metric is a distance to them; of 0.001 where both are 0), from 1/10

@@ -178,17 +178,17 @@ std::string TimeHtml(const ClipSeries& series) {
     } else {
       chart.curves.push_back({"each frame", Over(series.time_s, series.residual), 0});
     }
-    charts += Figure(EscapeHtml(series.residual_name), ToInlineSvg(chart.Draw()));
+    charts += Figure(EscapeHtml(series.residual_name), PlotHtml(chart));
   }
   if (!Finite(series.keypoint_residual).empty()) {
     Plot chart{series.keypoint_residual_name, "s", "", {}};
     chart.curves.push_back({"each frame", Over(series.time_s, series.keypoint_residual), 0});
-    charts += Figure(EscapeHtml(series.keypoint_residual_name), ToInlineSvg(chart.Draw()));
+    charts += Figure(EscapeHtml(series.keypoint_residual_name), PlotHtml(chart));
   }
   Plot jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
   if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
   if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
-  charts += Figure("Jerk, m/s³", ToInlineSvg(jerk.Draw()));
+  charts += Figure("Jerk, m/s³", PlotHtml(jerk));
   if (charts.empty()) return Paragraph("The clip is too short for curves over time.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
          Paragraph("Compare both: over-smoothed motion has low jerk and a large residual.", "soft");
@@ -213,7 +213,7 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
                      "s",
                      "mm",
                      {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
-    charts += Figure(EscapeHtml(name) + ", mm", ToInlineSvg(chart.Draw()));
+    charts += Figure(EscapeHtml(name) + ", mm", PlotHtml(chart));
   }
   HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}};
   for (const BoneSeries* bone : sorted) {
@@ -297,10 +297,9 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                           motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
   }
   const std::string drawn =
-      frames > 1
-          ? "<div class=\"charts wide\">" +
-                Figure("Estimated standard deviation of a joint position, mm", ToInlineSvg(chart.Draw())) + "</div>\n"
-          : "";
+      frames > 1 ? "<div class=\"charts wide\">" +
+                       Figure("Estimated standard deviation of a joint position, mm", PlotHtml(chart)) + "</div>\n"
+                 : "";
   return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
          Paragraph(
              "An unobservable axis, such as the twist of a straight limb, keeps the prior's standard deviation "

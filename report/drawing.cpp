@@ -87,20 +87,25 @@ void Drawing::Text(double x, double y, const std::string& text, double size, Tex
   shapes.emplace_back(TextShape{Vector2d(x, y), text, size, anchor, colour, bold});
 }
 
-double TextWidth(const std::string& text, double size) { return 0.6 * size * static_cast<double>(text.size()); }
+double TextWidth(const std::string& text, double size) { return 0.62 * size * static_cast<double>(text.size()); }
 
-std::vector<std::string> Wrapped(const std::string& text, double width, double size) {
-  std::vector<std::string> lines;
-  if (text.empty()) return lines;
+double Drawing::Block(double x, double y, double block_width, const std::string& text, double size, TextAnchor anchor,
+                      const Colour& colour, bool bold) {
+  std::string line;
+  const auto end_line = [&] {
+    if (!line.empty()) Text(x, y += size + 2.0, line, size, anchor, colour, bold);
+  };
   for (const std::string_view word : SplitText(text, ' ')) {
-    const std::string longer = lines.empty() ? "" : lines.back() + " " + std::string(word);
-    if (!lines.empty() && TextWidth(longer, size) <= width) {
-      lines.back() = longer;
+    const std::string longer = line.empty() ? std::string(word) : line + " " + std::string(word);
+    if (!line.empty() && TextWidth(longer, size) > block_width) {
+      end_line();
+      line = word;
     } else {
-      lines.emplace_back(word);
+      line = longer;
     }
   }
-  return lines;
+  end_line();
+  return y;
 }
 
 std::string ToSvg(const Drawing& drawing) {

@@ -65,12 +65,13 @@ struct Drawing {
   void Box(double x, double y, double box_width, double box_height, const Colour& colour, const std::string& tip = "");
   void Text(double x, double y, const std::string& text, double size, TextAnchor anchor = TextAnchor::kStart,
             const Colour& colour = kInkColour, bool bold = false);
+  /// Lines of whole words, the first one below `y`; returns the base line of the last.
+  double Block(double x, double y, double block_width, const std::string& text, double size,
+               TextAnchor anchor = TextAnchor::kStart, const Colour& colour = kQuietColour, bool bold = false);
 };
 
 /// Width of a text, an upper estimate for common sans serif fonts; pixels.
 double TextWidth(const std::string& text, double size);
-/// Lines of whole words, each at most `width` pixels wide where its words are.
-std::vector<std::string> Wrapped(const std::string& text, double width, double size);
 
 /// An SVG file on white. Coordinates have one decimal.
 std::string ToSvg(const Drawing& drawing);

@@ -21,15 +21,13 @@ bool IsLong(const NamedMotions& set) {
 Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions>& sets,
                                                   const MotionPictureOptions& options) {
   std::vector<MotionRow> rows;
-  const auto add = [&](const NamedMotions& set, const Clip& clip, const std::string& label) {
-    const bool joins = std::find(options.joined.begin(), options.joined.end(), set.method) != options.joined.end();
-    const auto own =
-        std::find_if(rows.begin(), rows.end(), [&](const MotionRow& row) { return row.method == set.method; });
-    if (joins && own != rows.end()) {
-      own->clips.push_back(clip);
-    } else {
-      rows.push_back({set.method, joins ? "" : label, {clip}, std::nullopt, ""});
+  const auto row_of = [&](const NamedMotions& set, const std::string& label, std::vector<Clip> clips) {
+    MotionRow row{set.method, label, std::move(clips)};
+    if (const auto head = options.columns.find(set.method); head != options.columns.end()) row.column = head->second;
+    if (const auto own = options.colours.find(set.method); own != options.colours.end()) {
+      row.colour = own->second == "red" ? kRed : own->second == "green" ? kGreen : kBlue;
     }
+    rows.push_back(std::move(row));
   };
   std::set<std::string> known;
   for (const NamedMotions& set : sets) {
@@ -43,7 +41,7 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
     const std::size_t before = rows.size();
     for (const NamedMotions& set : sets) {
       for (const Clip& clip : set.motions.clips) {
-        if (IsCalled(clip, wanted) || EndsWith(clip.id(), wanted)) add(set, clip, clip.label);
+        if (IsCalled(clip, wanted) || EndsWith(clip.id(), wanted)) row_of(set, clip.label, {clip});
       }
     }
     if (rows.size() > before) continue;
@@ -71,22 +69,33 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
       }
     }
   }
+  const auto joins = [&](const NamedMotions& set) {
+    return std::find(options.joined.begin(), options.joined.end(), set.method) != options.joined.end();
+  };
   const auto add_first = [&](const NamedMotions& set, const std::string* label) {
     std::int64_t count = 0;
     for (const Clip& clip : set.motions.clips) {
-      const bool joins = std::find(options.joined.begin(), options.joined.end(), set.method) != options.joined.end();
-      if (count == options.samples && !joins) break;
+      if (count == options.samples) break;
       if (label != nullptr && clip.label != *label) continue;
-      add(set, clip, clip.segments.size() > 1 ? "" : clip.label);
+      row_of(set, clip.segments.size() > 1 ? "" : clip.label, {clip});
       ++count;
     }
+    if (count > 0 || options.labels.empty() || options.scene) return;
+    row_of(set, *label, {});
+    rows.back().why = "no motion of this label";
   };
-  if (options.clips.empty() && labels.empty()) {
-    for (const NamedMotions& set : sets) add_first(set, nullptr);
+  for (const NamedMotions& set : sets) {
+    if (!options.clips.empty()) break;
+    if (joins(set)) {
+      row_of(set, "", set.motions.clips);
+    } else if (labels.empty()) {
+      add_first(set, nullptr);
+    }
   }
   for (const std::string& label : labels) {
-    if (!options.clips.empty()) break;
-    for (const NamedMotions& set : sets) add_first(set, &label);
+    for (const NamedMotions& set : sets) {
+      if (options.clips.empty() && !joins(set)) add_first(set, &label);
+    }
   }
   if (rows.size() > static_cast<std::size_t>(options.most_rows)) {
     return Fail(ErrorCode::kUsage,
@@ -96,6 +105,13 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
   }
   if (rows.empty())
     return Fail(ErrorCode::kInconsistent, "there is no motion to draw", "picture", "choose other files");
+  if (!options.themes.empty() && options.themes.size() != rows.size()) {
+    return Fail(ErrorCode::kInconsistent,
+                Counted(static_cast<long long>(options.themes.size()), "theme") + " for " +
+                    Counted(static_cast<long long>(rows.size()), "row"),
+                "picture", "give each row its theme");
+  }
+  for (std::size_t r = 0; r < options.themes.size(); ++r) rows[r].theme = options.themes[r];
   for (const auto& [method, why] : options.absent) rows.push_back({method, "", {}, std::nullopt, why});
   return rows;
 }

@@ -136,6 +136,9 @@ void AddTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, c
 void Order(SeenFigure& figure) {
   std::stable_sort(figure.parts.begin(), figure.parts.end(),
                    [](const SeenFigure::Part& a, const SeenFigure::Part& b) { return a.depth < b.depth; });
+}
+
+void Measure(SeenFigure& figure) {
   for (const SeenFigure::Part& part : figure.parts) {
     for (const std::vector<Vector2d>* points : {&part.outline, &part.line}) {
       for (const Vector2d& point : *points) figure.box.extend(point);
@@ -143,15 +146,18 @@ void Order(SeenFigure& figure) {
   }
 }
 
+/// Observed points, which may be far off, do not count for its extent.
 SeenFigure FigureOf(const MotionRow& row, const Clip& clip, int frame, const Eye& eye, FigureChoice choice) {
   SeenFigure figure;
   if (choice == FigureChoice::kSkin && row.skin) {
     AddSkin(*row.skin, *clip.motion, frame, eye, figure);
   } else if (choice == FigureChoice::kBones) {
-    if (row.bones) AddBoneLines(*clip.motion, frame, eye, figure);
+    AddBoneLines(*clip.motion, frame, eye, figure);
   } else {
     AddCapsules(clip, frame, eye, figure);
   }
+  Measure(figure);
+  if (!row.bones) figure.parts.clear();
   if (row.tracks != nullptr) AddTracks(*row.tracks, *clip.motion->skeleton, frame, eye, figure);
   Order(figure);
   return figure;
@@ -171,18 +177,10 @@ void Place(const SeenFigure& figure, const Vector2d& at, double scale, Drawing& 
 }
 
 std::string WordOf(const std::string& label, const MotionPictureOptions& options) {
-  const auto word = options.words.find(label);
-  return word == options.words.end() ? label : word->second;
-}
-
-const Colour* ColourOf(const std::string& method, const MotionPictureOptions& options) {
-  const auto named = options.colours.find(method);
-  if (named == options.colours.end()) return nullptr;
-  return named->second == "red" ? &kRed : named->second == "green" ? &kGreen : &kBlue;
-}
-
-std::string ThemeOf(std::size_t row, const MotionPictureOptions& options) {
-  return row < options.themes.size() ? options.themes[row] : "";
+  const auto found = options.words.find(label);
+  std::string word = found == options.words.end() ? label : found->second;
+  std::replace(word.begin(), word.end(), '_', ' ');
+  return word;
 }
 
 /// Frames of each motion of a row, in proportion to their lengths.
@@ -209,15 +207,19 @@ class RowsDrawing {
   RowsDrawing(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double names = kNames)
       : rows_(rows), options_(options), names_(names) {
     double tallest = 0.5, widest = 0.3;
+    Viewpoint world;  // of the first motion
+    for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+      if (!row->clips.empty()) world = FrontView(*row->clips.front().motion);
+    }
     for (const MotionRow& row : rows) {
       const std::vector<std::vector<int>> frames = FramesOf(row, options.stills);
       SeenRow seen;
       for (std::size_t c = 0; c < row.clips.size(); ++c) {
         const Motion& motion = *row.clips[c].motion;
-        const Viewpoint view = options.world ? FrontView(*rows.front().clips.front().motion) : FrontView(motion);
+        const Viewpoint view = options.world ? world : FrontView(motion);
         for (const int frame : frames[c]) {
           Eye eye = LevelEye(motion, frame, view);
-          eye.only = ColourOf(row.method, options);
+          eye.only = row.colour ? &*row.colour : nullptr;
           seen.stills.push_back({c, frame, FigureOf(row, row.clips[c], frame, eye, options.figure)});
           seen.box.extend(seen.stills.back().figure.box);
           widest = std::max(widest, seen.stills.back().figure.box.sizes().x());
@@ -236,27 +238,25 @@ class RowsDrawing {
   Drawing Draw() {
     std::vector<std::string> heads;
     for (const MotionRow& row : rows_) {
-      if (std::find(heads.begin(), heads.end(), Head(row)) == heads.end()) heads.push_back(Head(row));
+      if (std::find(heads.begin(), heads.end(), row.column) == heads.end()) heads.push_back(row.column);
     }
     drawing_ = {column_width_ * static_cast<double>(heads.size()), 0.0, options_.title};
-    double top = 4.0;
-    for (const std::string& line : Wrapped(options_.title, drawing_.width - 2.0 * kSpace, 14.0)) {
-      drawing_.Text(kSpace, top += 16.0, line, 14.0, TextAnchor::kStart, kInkColour, true);
-    }
+    const double inner = drawing_.width - 2.0 * kSpace;
+    const double top = drawing_.Block(kSpace, 4.0, inner, options_.title, 14.0, TextAnchor::kStart, kInkColour, true);
     double bottom = top;
     for (std::size_t column = 0; column < heads.size(); ++column) {
       left_ = column_width_ * static_cast<double>(column);
-      double y = top + kSpace;
-      if (!heads[column].empty()) {
-        drawing_.Text(left_ + names_, y += 12.0, heads[column], 13.0, TextAnchor::kStart, kInkColour, true);
-        y += 6.0;
-      }
+      double y = drawing_.Block(left_ + names_, top + kSpace, inner, heads[column], 13.0, TextAnchor::kStart,
+                                kInkColour, true);
       for (std::size_t r = 0; r < rows_.size(); ++r) {
-        if (Head(rows_[r]) == heads[column]) y = DrawRow(r, y) + kSpace;
+        if (rows_[r].column == heads[column]) y = DrawRow(r, y) + kSpace;
       }
       bottom = std::max(bottom, y);
     }
-    return End(bottom);
+    bottom = drawing_.Block(kSpace, bottom, inner, Legend(), kSmall);
+    bottom = drawing_.Block(drawing_.width - kSpace, bottom, inner, options_.corner, kSmall, TextAnchor::kEnd);
+    drawing_.height = bottom + kSpace;
+    return std::move(drawing_);
   }
 
  private:
@@ -270,57 +270,55 @@ class RowsDrawing {
     Eigen::AlignedBox2d box;
   };
 
-  std::string Head(const MotionRow& row) const {
-    const auto head = options_.columns.find(row.method);
-    return head == options_.columns.end() ? "" : head->second;
+  static const Colour& PartColour(const MotionRow& row, const Segment& segment) {
+    const bool transition = segment.label == kTransition;
+    if (row.colour) return kQuietColour;
+    if (!row.theme.empty()) return transition ? kQuietColour : kOrange;
+    return transition ? kBlue : segment.origin == kRecorded ? kGreen : kRed;
   }
 
-  Drawing End(double bottom) {
-    std::string legend;
+  /// What the colours of brackets mean, and the path.
+  std::string Legend() const {
+    bool previous = false, parts = false, themes = false;
     for (const MotionRow& row : rows_) {
+      themes = themes || !row.theme.empty();
       for (const Clip& clip : row.clips) {
-        if (!clip.segments.empty() && options_.themes.empty()) {
-          legend = "green: previous motion, blue: transition, red: action. ";
+        for (const Segment& segment : clip.segments) {
+          const Colour* colour = &PartColour(row, segment);
+          previous = previous || colour == &kGreen;
+          parts = parts || colour == &kRed;
         }
       }
     }
-    if (!options_.themes.empty()) legend = "green: theme, blue: its labels, orange: the label of each frame. ";
+    std::string legend = themes     ? "Green: theme, blue: its labels, orange: the label of each frame. "
+                         : previous ? "Green: previous motion, blue: transition, red: action. "
+                         : parts    ? "Blue: transition, red: action. "
+                                    : "";
     if (path_span_ > 0.0) {
       legend += "Right: the root's path, its shadow on the floor, in squares of " + RoundedText(path_span_, 2) + " m.";
     }
-    for (const std::string* text : {static_cast<const std::string*>(&legend), &options_.corner}) {
-      for (const std::string& line : Wrapped(*text, drawing_.width - 2.0 * kSpace, kSmall)) {
-        const bool corner = text == &options_.corner;
-        drawing_.Text(corner ? drawing_.width - kSpace : kSpace, bottom += 12.0, line, kSmall,
-                      corner ? TextAnchor::kEnd : TextAnchor::kStart, kQuietColour);
-      }
-    }
-    drawing_.height = bottom + kSpace;
-    return std::move(drawing_);
+    return legend;
   }
 
   /// Name, theme and label; returns where they end.
   double DrawNames(std::size_t r, double top) {
     const MotionRow& row = rows_[r];
     const bool repeats = r > 0 && rows_[r - 1].method == row.method && rows_[r - 1].label == row.label;
-    if (repeats && options_.themes.empty()) return top;
-    const std::string theme = ThemeOf(r, options_);
+    if (repeats && row.theme.empty()) return top;
     std::string labels = WordOf(row.label, options_);
     for (const Clip& clip : row.clips) {
       for (const Segment& segment : clip.segments) {
-        if (theme.empty() || segment.label == kTransition) continue;
+        if (row.theme.empty() || segment.label == kTransition) continue;
         labels += (labels.empty() ? "" : ", ") + WordOf(segment.label, options_);
       }
     }
     const auto write = [&](const std::string& text, double size, const Colour& colour, bool bold) {
-      for (const std::string& line : Wrapped(text, names_ - 2.0 * kSpace, size)) {
-        drawing_.Text(left_ + kSpace, top += size + 2.0, line, size, TextAnchor::kStart, colour, bold);
-      }
+      const double width = names_ - 2.0 * kSpace;
+      top = drawing_.Block(left_ + kSpace, top, width, text, size, TextAnchor::kStart, colour, bold);
     };
-    const Colour* own = ColourOf(row.method, options_);
-    write(row.method, 12.0, own != nullptr ? *own : kInkColour, true);
-    if (!theme.empty()) write(theme, 12.0, kGreen, false);
-    write(labels, 11.0, theme.empty() ? kInkColour : kBlue, false);
+    write(row.method, 12.0, row.colour.value_or(kInkColour), true);
+    write(row.theme, 12.0, kGreen, false);
+    write(labels, 11.0, row.theme.empty() ? kInkColour : kBlue, false);
     return top;
   }
 
@@ -329,8 +327,7 @@ class RowsDrawing {
     const SeenRow& seen = seen_[r];
     const double names = DrawNames(r, top), left = left_ + names_;
     if (row.clips.empty()) {
-      drawing_.Text(left, top + 14.0, row.why, 12.0, TextAnchor::kStart, kQuietColour);
-      return std::max(names, top + 20.0);
+      return std::max(names, drawing_.Block(left, top, column_width_ - names_ - 2.0 * kSpace, row.why, 12.0) + 6.0);
     }
     const double width = cell_ * static_cast<double>(options_.stills);
     const double ground = options_.world ? seen.stills.front().figure.box.min().y() : seen.box.min().y();
@@ -354,7 +351,7 @@ class RowsDrawing {
         bottom = std::max(
             bottom, Bracket(begin + 4.0, end - 4.0, below + 16.0, 0.0, WordOf(row.clips[c].label, options_), kRed));
       }
-      bottom = std::max(bottom, DrawSegments(row.clips[c], begin, step, static_cast<double>(count), below + 16.0));
+      bottom = std::max(bottom, DrawSegments(r, row.clips[c], begin, step, static_cast<double>(count), below + 16.0));
       first += count;
     }
     if (options_.path && row.clips.size() == 1)
@@ -366,14 +363,12 @@ class RowsDrawing {
   double Bracket(double begin, double end, double top, double more, const std::string& label, const Colour& colour) {
     end = std::max(end, begin + 1.0);
     drawing_.Line({{begin, top}, {begin, top + 5.0}, {end, top + 5.0}, {end, top}}, 1.4, colour);
-    double y = top + 6.0;
-    for (const std::string& line : Wrapped(label, end - begin + 2.0 * more, kSmall)) {
-      drawing_.Text(0.5 * (begin + end), y += 10.0, line, kSmall, TextAnchor::kMiddle, colour);
-    }
-    return y + 2.0;
+    return drawing_.Block(0.5 * (begin + end), top + 4.0, end - begin + 2.0 * more, label, kSmall, TextAnchor::kMiddle,
+                          colour) +
+           2.0;
   }
 
-  double DrawSegments(const Clip& clip, double left, double step, double count, double top) {
+  double DrawSegments(std::size_t r, const Clip& clip, double left, double step, double count, double top) {
     const double last = std::max(1e-9, clip.motion->rate.FrameTime(clip.motion->frame_count() - 1));
     const auto x_of = [&](double seconds) {  // from the first figure to the last
       return left + step * (std::clamp(seconds / last, 0.0, 1.0) * (count - 1.0) + 0.5);
@@ -382,10 +377,7 @@ class RowsDrawing {
     for (std::size_t i = 0; i < clip.segments.size(); ++i) {
       const Segment& segment = clip.segments[i];
       const bool transition = segment.label == kTransition;
-      const Colour& colour = !options_.themes.empty()      ? transition ? kQuietColour : kOrange
-                             : transition                  ? kBlue
-                             : segment.origin == kRecorded ? kGreen
-                                                           : kRed;
+      const Colour& colour = PartColour(rows_[r], segment);
       double more = 2.0;  // transitions have no text
       if (i + 1 < clip.segments.size() && clip.segments[i + 1].label == kTransition) {
         more = 0.5 * (x_of(clip.segments[i + 1].end_s) - x_of(clip.segments[i + 1].begin_s));
@@ -441,19 +433,12 @@ class RowsDrawing {
   Drawing drawing_;
 };
 
-/// The lowest joint of a motion's last frame.
-double LowestAtEnd(const Motion& motion) {
-  double low = 1e9;
-  for (int j = 0; j < motion.joint_count(); ++j) low = std::min(low, motion.joints.at(motion.frame_count() - 1, j).y());
-  return low;
-}
-
 /// A motion in its world, in a square panel: earlier frames light, the last one dark, over the floor.
 void DrawScene(const MotionRow& row, double floor, double left, double top, const MotionPictureOptions& options,
                Drawing& drawing) {
   const Clip& clip = row.clips.front();
   const Motion& motion = *clip.motion;
-  const Colour own = ColourOf(row.method, options) != nullptr ? *ColourOf(row.method, options) : kGrey;
+  const Colour own = row.colour.value_or(kGrey);
   Eye eye{{1.1, 0.25}};
   SeenFigure all;
   Eigen::AlignedBox3d ground(Vector3d::Zero());
@@ -467,19 +452,17 @@ void DrawScene(const MotionRow& row, double floor, double left, double top, cons
     all.parts.insert(all.parts.end(), figure.parts.begin(), figure.parts.end());
     for (int j = 0; j < motion.joint_count(); ++j) ground.extend(Vector3d(motion.joints.at(frame, j)));
   }
-  const auto line = [&](const Vector3d& from, const Vector3d& to, const Colour& colour, double depth, double width) {
-    all.parts.push_back({depth, {}, {eye.See(from).head<2>(), eye.See(to).head<2>()}, colour, width});
+  const auto line = [&](double x, double z, double to_x, double to_z, const Colour& colour, double depth) {
+    const Vector2d from = eye.See({x, floor, z}).head<2>(), to = eye.See({to_x, floor, to_z}).head<2>();
+    all.parts.push_back({depth, {}, {from, to}, colour, depth < -1.5e3 ? 0.8 : 2.0});
   };
   const Vector3d low = (2.0 * ground.min()).array().floor() / 2.0, high = (2.0 * ground.max()).array().ceil() / 2.0;
-  for (double x = low.x(); x <= high.x() + 1e-9; x += 0.5) {
-    line({x, floor, low.z()}, {x, floor, high.z()}, kFaintColour, -2e3, 0.8);
-  }
-  for (double z = low.z(); z <= high.z() + 1e-9; z += 0.5) {
-    line({low.x(), floor, z}, {high.x(), floor, z}, kFaintColour, -2e3, 0.8);
-  }
-  line({0, floor, 0}, {0.4, floor, 0}, kRed, -1e3, 2.0);
-  line({0, floor, 0}, {0, floor, 0.4}, kInkColour, -1e3, 2.0);
+  for (double x = low.x(); x <= high.x() + 1e-9; x += 0.5) line(x, low.z(), x, high.z(), kFaintColour, -2e3);
+  for (double z = low.z(); z <= high.z() + 1e-9; z += 0.5) line(low.x(), z, high.x(), z, kFaintColour, -2e3);
+  line(0.0, 0.0, 0.4, 0.0, kRed, -1e3);
+  line(0.0, 0.0, 0.0, 0.4, kInkColour, -1e3);
   Order(all);
+  Measure(all);
   const double scale = (kScene - 4.0 * kSpace) / std::max(all.box.sizes().maxCoeff(), 1e-6);
   const Vector2d centre = all.box.center();
   drawing.Text(left + kSpace, top, row.method, 12.0, TextAnchor::kStart, own, true);
@@ -487,26 +470,36 @@ void DrawScene(const MotionRow& row, double floor, double left, double top, cons
 }
 
 /// Scenes side by side, below the label that they share; motions of a label whose last roots are equally high share
-/// the first one's floor.
+/// the first one's floor: its lowest joint in the last frame.
 Drawing DrawScenes(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
+  constexpr double kHeads = 34.0;
   Drawing drawing{kScene * static_cast<double>(rows.size()), 0.0, options.title};
-  drawing.Text(kSpace, 22.0, options.title, 14.0, TextAnchor::kStart, kInkColour, true);
-  std::size_t first = 0;  // of the label
+  const double inner = drawing.width - 2.0 * kSpace;
+  const double top = drawing.Block(kSpace, 4.0, inner, options.title, 14.0, TextAnchor::kStart, kInkColour, true);
+  const Motion* shared = nullptr;  // the first one of the label
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double left = kScene * static_cast<double>(r);
-    if (r == 0 || rows[r].label != rows[r - 1].label) {
-      first = r;
-      drawing.Text(left + kSpace, 46.0, rows[r].label, 12.0, TextAnchor::kStart, kInkColour, true);
+    if (rows[r].clips.empty()) {
+      drawing.Block(left + kSpace, top + kHeads, kScene - 2.0 * kSpace, rows[r].method + ": " + rows[r].why, 12.0);
+      continue;
     }
-    const Motion &motion = *rows[r].clips.front().motion, &shared = *rows[first].clips.front().motion;
+    const Motion& motion = *rows[r].clips.front().motion;
+    if (shared == nullptr || rows[r].label != rows[r - 1].label) {
+      shared = &motion;
+      drawing.Text(left + kSpace, top + 20.0, rows[r].label, 12.0, TextAnchor::kStart, kInkColour, true);
+    }
+    const auto lowest = [](const Motion& of) {
+      Eigen::AlignedBox3d box;
+      for (int j = 0; j < of.joint_count(); ++j) box.extend(Vector3d(of.joints.at(of.frame_count() - 1, j)));
+      return box.min().y();
+    };
     const auto root = [](const Motion& of) { return of.joints.at(of.frame_count() - 1, 0).y(); };
-    const bool alike = std::abs(root(motion) - root(shared)) < 1e-3;
-    DrawScene(rows[r], LowestAtEnd(alike ? shared : motion), left, 64.0, options, drawing);
+    const bool alike = std::abs(root(motion) - root(*shared)) < 1e-3;
+    DrawScene(rows[r], lowest(alike ? *shared : motion), left, top + kHeads, options, drawing);
   }
-  const double bottom = 64.0 + kScene + kSmall;
-  drawing.Text(kSpace, bottom, "Dark: the last frame. Squares of 0.5 m; from the origin x is red, z black.", kSmall,
-               TextAnchor::kStart, kQuietColour);
-  drawing.Text(drawing.width - kSpace, bottom, options.corner, kSmall, TextAnchor::kEnd, kQuietColour);
+  double bottom = drawing.Block(kSpace, top + kHeads + kScene, inner,
+                                "Dark: the last frame. Squares of 0.5 m; from the origin x is red, z black.", kSmall);
+  bottom = drawing.Block(drawing.width - kSpace, bottom, inner, options.corner, kSmall, TextAnchor::kEnd);
   drawing.height = bottom + kSpace;
   return drawing;
 }
@@ -519,29 +512,29 @@ Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOp
 
 nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
   nlohmann::json described = nlohmann::json::array();
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const MotionRow& row = rows[r];
-    nlohmann::json one = {{"source", row.method},
-                          {"label", row.label},
-                          {"theme", ThemeOf(r, options)},
-                          {"clips", nlohmann::json::array()},
-                          {"frames", FramesOf(row, options.stills)},
-                          {"segments", nlohmann::json::array()},
-                          {"absent", row.why}};
-    if (const auto head = options.columns.find(row.method); head != options.columns.end()) one["column"] = head->second;
-    if (const auto own = options.colours.find(row.method); own != options.colours.end()) one["colour"] = own->second;
+  for (const MotionRow& row : rows) {
+    nlohmann::json clips = nlohmann::json::array(), segments = nlohmann::json::array();
     for (const Clip& clip : row.clips) {
       const Vector3d span = SpanOf(*clip.motion);
-      one["clips"].push_back(
+      clips.push_back(
           {{"id", clip.id()}, {"label", WordOf(clip.label, options)}, {"path_m", {span.x(), span.y(), span.z()}}});
       for (const Segment& segment : clip.segments) {
-        one["segments"].push_back({{"label", WordOf(segment.label, options)},
-                                   {"origin", segment.origin},
-                                   {"begin_s", segment.begin_s},
-                                   {"end_s", segment.end_s}});
+        segments.push_back({{"label", WordOf(segment.label, options)},
+                            {"origin", segment.origin},
+                            {"begin_s", segment.begin_s},
+                            {"end_s", segment.end_s}});
       }
     }
-    described.push_back(std::move(one));
+    const auto colour = options.colours.find(row.method);
+    described.push_back({{"source", row.method},
+                         {"label", row.label},
+                         {"theme", row.theme},
+                         {"column", row.column},
+                         {"colour", colour == options.colours.end() ? "" : colour->second},
+                         {"absent", row.why},
+                         {"frames", FramesOf(row, options.stills)},
+                         {"clips", std::move(clips)},
+                         {"segments", std::move(segments)}});
   }
   return described;
 }
@@ -552,6 +545,7 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
   Drawing drawing{kCell * static_cast<double>(columns),
                   (kCell + kText) * std::ceil(double(rows.size()) / static_cast<double>(columns)), options.title};
   for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].clips.empty()) continue;
     const Clip& clip = rows[r].clips.front();
     const Motion& motion = *clip.motion;
     const int frame =
@@ -583,8 +577,10 @@ Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const Joint
   MotionPictureOptions options;
   options.stills = 8;
   options.path = false;
-  MotionRow row{"", "", {Clip()}, std::nullopt, "", tracks, bones};
+  MotionRow row{"", "", {Clip()}};
   row.clips.front().motion = motion;
+  row.tracks = tracks;
+  row.bones = bones;
   const std::vector<MotionRow> rows = {row};
   Drawing drawing = RowsDrawing(rows, options, 0.0).Draw();
   drawing.title = "Stick figures of " + name + ", stills from " + Counted(motion.frame_count(), "frame");

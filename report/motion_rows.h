@@ -18,9 +18,12 @@ namespace mocurate {
 struct MotionRow {
   std::string method;
   std::string label;
-  std::vector<Clip> clips;              ///< none: the row says `why`
-  std::optional<Skin> skin;             ///< drawn instead of bones
-  std::string why;                      ///< why the source has no motion
+  std::vector<Clip> clips{};            ///< none: the row says `why`
+  std::optional<Skin> skin{};           ///< drawn instead of bones
+  std::string why{};                    ///< why the source has no motion
+  std::string theme{};                  ///< above the labels of a long motion
+  std::string column{};                 ///< head of its column; or empty
+  std::optional<Colour> colour{};       ///< instead of those of the sides
   const JointTracks* tracks = nullptr;  ///< observed points, drawn too
   bool bones = true;                    ///< false: these alone
 };
@@ -34,7 +37,8 @@ struct NamedMotions {
 /// The motions to show: of each label of the options and each set the first `samples` clips, or the named clips;
 /// without either one of each class, or for sets of long motions (clips with segments) the first ones. Sources of
 /// `joined` have one row of all. Errors: kNotFound for a label that no set has and for an unknown clip, kInconsistent
-/// for clips without a motion, kUsage for more than `most_rows`.
+/// for clips without a motion and a number of themes that is not that of rows,
+/// kUsage for more than `most_rows`.
 Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions>& sets,
                                                   const MotionPictureOptions& options);
 

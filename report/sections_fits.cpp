@@ -101,7 +101,8 @@ Plot Histogram(const std::string& name, const std::string& unit, const std::vect
     PlotCurve curve{label, {}, colour};
     for (int bin = 0; bin < kBins; ++bin) curve.points.push_back({high * (bin + 0.5) / kBins, 0.0});
     for (const double value : *values) {
-      curve.points[static_cast<std::size_t>(std::clamp(static_cast<int>(value / high * kBins), 0, kBins - 1))].y += 1.0;
+      curve.points[static_cast<std::size_t>(std::min(kBins - 1.0, std::clamp(value / high, 0.0, 1.0) * kBins))].y +=
+          1.0;
     }
     if (!values->empty()) plot.curves.push_back(std::move(curve));
   }
@@ -121,7 +122,7 @@ std::string CoverageChart(const nlohmann::json& error) {
   }
   if (sigmas == 0.0) return "";
   return "<div class=\"charts wide\">" +
-         Figure("Errors within a number of estimated standard deviations, %", ToInlineSvg(chart.Draw())) + "</div>\n";
+         Figure("Errors within a number of estimated standard deviations, %", PlotHtml(chart)) + "</div>\n";
 }
 
 }  // namespace
@@ -138,11 +139,11 @@ std::string QualityHtml(const ReportInput& input) {
     table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
-    charts += Figure(name, ToInlineSvg(Histogram(name, measure.unit, before, after).Draw()));
+    charts += Figure(name, PlotHtml(Histogram(name, measure.unit, before, after)));
   }
   const std::vector<double> residuals = OverClips(input.run, "", "residual_rms_mm");
   if (residuals.size() >= kFewClips) {
-    charts += Figure("Residual RMS, mm", ToInlineSvg(Histogram("Residual RMS per clip", "mm", {}, residuals).Draw()));
+    charts += Figure("Residual RMS, mm", PlotHtml(Histogram("Residual RMS per clip", "mm", {}, residuals)));
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())

@@ -92,10 +92,7 @@ std::map<std::string, const nlohmann::json*> Trainings(const nlohmann::json& run
 
 bool IsRecogniser(const nlohmann::json& training) { return Field(training, "epochs").is_number(); }
 
-std::string Chart(const Plot& chart) {
-  if (chart.curves.empty()) return "";
-  return "<figure><figcaption>" + EscapeHtml(chart.title) + "</figcaption>" + ToInlineSvg(chart.Draw()) + "</figure>\n";
-}
+std::string Chart(const Plot& chart) { return Figure(EscapeHtml(chart.title), PlotHtml(chart)); }
 
 /// " (250 iterations, batches of 64 clips)" of a group of trainings; values that differ between them or are unknown are
 /// omitted.

@@ -36,6 +36,10 @@ Status CheckSources(const SurveyOptions& options, const std::vector<SurveySource
       return Fail(ErrorCode::kUsage, "two sources have the name '" + source.name + "'", "--motions",
                   "give each its own name: --motions NAME=FILE");
     }
+    if (source.name == kAllGenerated) {
+      return Fail(ErrorCode::kUsage, "a source has the name '" + source.name + "' of a row of the tally", "--motions",
+                  "give it another name");
+    }
     names.push_back(source.name);
   }
   const bool ranking = options.kind == SurveyKind::kRanking;

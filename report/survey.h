@@ -11,6 +11,9 @@
 
 namespace mocurate {
 
+/// Row of all sources of real or fake but the recordings, where there are two or more.
+inline constexpr const char* kAllGenerated = "all generated";
+
 /// Motions of one origin: a method, or recordings.
 struct SurveySource {
   struct Motion {

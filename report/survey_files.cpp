@@ -131,6 +131,11 @@ Json KeyToJson(const SurveyKey& key) {
 Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& name) {
   const Expected<Json> json = ParseObject(bytes, name, kMakeAgain);
   if (!json) return Forward(json);
+  const Json kind = json->value("kind", Json());
+  if (kind != Name(SurveyKind::kRanking) && kind != Name(SurveyKind::kRealOrFake)) {
+    return Fail(ErrorCode::kMalformed, "kind " + ShownValue(kind) + ", there are \"ranking\" and \"real_or_fake\"",
+                name + ": /kind", "make the survey again with `mocurate survey make`");
+  }
   Expected<SurveyKey> key = GuardJson(name, [&] { return KeyOfJson(*json); });
   if (!key) return key;
   const Json written = KeyToJson(*key);

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -29,6 +30,8 @@ namespace {
 constexpr int kMostNumbers = 400000;      ///< of one motion: 60 s at 30 Hz of 74 joints
 constexpr FrameRate kHighestRate{30, 1};  ///< keeps pages small
 constexpr double kShortQuestion = 1.0;    ///< seconds
+constexpr double kShownPart = 0.85;       ///< of the shortest motion of a question
+constexpr double kMostBytes = 64e6;       ///< of a page
 constexpr std::size_t kMostJoints = 64;   ///< of a skin: uniforms of a shader
 constexpr std::size_t kMostVertices = 65536;
 
@@ -158,8 +161,8 @@ Expected<ShownClips> ReadShown(const SurveyKey& key, const std::map<std::string,
   return clips;
 }
 
-/// All at their lowest rate, and those of a question for the same time: neither may reveal a source. A longer motion is
-/// cut at a random place, because some sources begin at rest.
+/// All at their lowest rate, and those of a question for the same time, a little less than the shortest lasts: neither
+/// may reveal a source. Each is cut at a random place, because some sources begin at rest.
 Status MakeAlike(const SurveyOptions& options, const SurveyKey& key, ShownClips& shown) {
   FrameRate lowest = kHighestRate;
   for (const std::vector<Clip>& clips : shown) {
@@ -169,10 +172,12 @@ Status MakeAlike(const SurveyOptions& options, const SurveyKey& key, ShownClips&
   }
   for (std::size_t q = 0; q < shown.size(); ++q) {
     int frames = std::max(2, static_cast<int>(std::floor(options.seconds * lowest.hz() + 1e-9)));
+    int shortest = std::numeric_limits<int>::max();
     for (Clip& clip : shown[q]) {
       clip = Resample(clip, lowest);
-      frames = std::min(frames, clip.motion->frame_count());
+      shortest = std::min(shortest, clip.motion->frame_count());
     }
+    frames = std::min(frames, std::max(2, static_cast<int>(kShownPart * shortest)));
     for (std::size_t i = 0; i < shown[q].size(); ++i) {
       const ShownMotion& motion = key.questions[q].shown[i];
       Random random(static_cast<std::uint64_t>(options.seed), "survey window", motion.source + "\n" + motion.clip);
@@ -286,6 +291,11 @@ Expected<StageOutcome> SurveyStage(const StageRequest& request) {
     body = std::move(*read);
   }
   const std::string page = MakeSurveyPage(*key, *shown, body);
+  if (static_cast<double>(page.size()) > kMostBytes) {
+    return Fail(ErrorCode::kUsage,
+                RoundedText(static_cast<double>(page.size()) / 1e6, 3) + " MB; a page has at most 64 MB", "--questions",
+                "ask fewer questions, or set --seconds to less");
+  }
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);
   StageOutcome outcome;
   outcome.summary = {

@@ -255,6 +255,7 @@ SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& 
   if (!key.real.empty() && key.sources.size() > 2) sources.emplace_back(kAllGenerated);
   labels.insert(labels.begin(), "");
   std::map<std::string, std::vector<double>> scores;  // of each participant over all labels
+  std::map<std::string, std::int64_t> votes;
   for (const std::string& source : sources) {
     for (const std::string& label : labels) {
       TallyRow row;
@@ -267,6 +268,7 @@ SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& 
         if (label.empty()) scores[source].push_back(key.real.empty() ? MeanRank(counts) : ShareOfFirst(counts, 1));
       }
       row.votes = Sum(row.counts);
+      if (label.empty()) votes[source] = row.votes;
       row.mean_rank = MeanRank(row.counts);
       for (std::size_t number = 1; number <= ShareNames(key.kind).size(); ++number) {
         const std::int64_t chosen = SumOfFirst(row.counts, number);
@@ -280,6 +282,8 @@ SurveyTally TallySurvey(const SurveyKey& key, const std::vector<SurveyAnswers>& 
   for (std::size_t a = 0; a < sources.size(); ++a) {
     for (std::size_t b = a + 1; b < sources.size(); ++b) {
       if (sources[b] == kAllGenerated && sources[a] != key.real) continue;
+      const bool shown = votes[sources[a]] > 0 && votes[sources[b]] > 0;
+      if (!shown && !answers.empty()) continue;  // a source that no question shows
       TallyDifference one{sources[a], sources[b], 0.0, {}, {}};
       std::vector<double> differences;
       for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -323,10 +327,11 @@ std::string TallyToMarkdown(const SurveyTally& tally) {
   return text;
 }
 
-std::string TallyToSvg(const SurveyTally& tally) {
+std::string TallyToSvg(const SurveyTally& tally, const std::string& corner) {
   const bool ranking = tally.kind == SurveyKind::kRanking;
   BarChart chart{ranking ? "Shares of ranks" : "Share of votes that a motion is real"};
   chart.full = 1.0;
+  chart.corner = corner;
   for (const TallyRow& row : tally.rows) {
     if (!row.label.empty()) continue;
     const VoteShare& best = row.shares.back();  // of the first two places, or judged real

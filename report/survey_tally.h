@@ -37,9 +37,6 @@ struct TallyRow {
   std::vector<VoteShare> shares;  ///< of each of ShareNames
 };
 
-/// Row of all sources of real or fake but the recordings, where there are two or more.
-inline constexpr const char* kAllGenerated = "all generated";
-
 /// What the shares of a row count: votes for the first place and for the first two places, or for "real".
 std::vector<std::string> ShareNames(SurveyKind kind);
 
@@ -83,6 +80,6 @@ std::string DifferencesToCsv(const SurveyTally& tally);
 std::string TallyToMarkdown(const SurveyTally& tally);
 /// An SVG file: for each source a bar of the shares of its ranks, or of the share judged real with Wilson's interval as
 /// a whisker; without answers a note.
-std::string TallyToSvg(const SurveyTally& tally);
+std::string TallyToSvg(const SurveyTally& tally, const std::string& corner = "");
 
 }  // namespace mocurate

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Lines of C++ per module without blank lines and comments. Usage: scripts/size.py [--files] [COMMIT]
 
-Scripts and styles of pages, R"js(...)js" and R"css(...)css", are a row of their own. Sources are formatted by scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total
-without tests. With COMMIT that of the commit stands beside; --files lists the largest files of each module.
+Scripts, styles and texts of pages, R"js(...)js" and the like, are the row "scripts". Sources are formatted by
+scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total without tests and scripts.
+With COMMIT that of the commit stands beside; --files lists the largest files of each module.
 """
 import re
 import subprocess

@@ -221,8 +221,8 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
       request.label = DrawOf(sequences->classes, random);
       request.frames = sequences->usual[static_cast<std::size_t>(request.label)][1];
       request.script = DrawChain(*sequences, request.label, static_cast<int>(options.steps) - 1, random);
-      request.script.resize(static_cast<std::size_t>(options.step) -
-                            1);  // steps after the scored one are not requested
+      // Steps after the scored one are not requested.
+      request.script.resize(static_cast<std::size_t>(options.step) - 1);
       requests.push_back(std::move(request));
       continue;
     }

@@ -63,9 +63,9 @@ Expected<std::vector<double>> LengthsOf(const fs::path& path, const std::string&
   std::vector<double> lengths(static_cast<std::size_t>(skeleton.joint_count()), 0.0);
   const std::vector<int> parents = skeleton.lie ? skeleton.LieParents() : std::vector<int>();
   double frames = 0.0;
-  std::vector<std::string> persons;
+  std::set<std::string> persons;
   for (const Clip& clip : set->clips) {
-    persons.push_back(clip.identity.person);
+    persons.insert(clip.identity.person);
     if (!clip.motion || (!person.empty() && clip.identity.person != person)) continue;
     for (int f = 0; f < clip.motion->frame_count(); ++f, ++frames) {
       for (int j = 1; j < skeleton.joint_count(); ++j) {
@@ -77,7 +77,7 @@ Expected<std::vector<double>> LengthsOf(const fs::path& path, const std::string&
   }
   if (frames == 0.0 && !person.empty()) {
     return Fail(ErrorCode::kNotFound, "the dataset has no motion of person '" + person + "'", DisplayPath(path),
-                DidYouMean(person, persons, "`mocurate inspect FILE` lists the persons"));
+                NearestOfAll(person, {persons.begin(), persons.end()}, "the persons are: "));
   }
   if (frames == 0.0) {
     return Fail(ErrorCode::kInconsistent, "the dataset has no motion", DisplayPath(path),
@@ -350,10 +350,10 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
                           !arguments.previous.empty() || !arguments.previous_clip.empty() || arguments.align ||
                           arguments.snap || arguments.count != 1 || arguments.transition_frames != 0;
   if (arguments.scripts.empty() && of_scripts) {
-    return Fail(
-        ErrorCode::kUsage,
-        "--first, --fill, --previous, --previous-clip, --align, --snap, --count and --transition-frames need scripts",
-        "--script", "add --script ACTION,ACTION,...");
+    return Fail(ErrorCode::kUsage,
+                "--first, --fill, --previous, --previous-clip, --keep-previous, --align, --snap, --count and "
+                "--transition-frames need scripts",
+                "--script", "add --script ACTION,ACTION,...");
   }
   MeshBodies bodies{arguments.body.empty() ? FindBody() : arguments.body, arguments.shapes, arguments.seed};
   if (!arguments.mesh.empty()) {

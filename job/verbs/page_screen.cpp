@@ -40,6 +40,8 @@ Status WriteScreen(const fs::path& page, const fs::path& picture) {
   }
   const TemporaryFolder scratch;
   if (scratch.path().empty()) return TemporaryFolder::Missing();
+  const fs::path shown = scratch.path() / "index.html";  // a URL may not have all characters of a path
+  if (Status copied = CopyWhole(page, shown); !copied) return copied;
   std::error_code unknown;
   const fs::path written = scratch.path() / "page.png";
   std::vector<std::string> arguments = {"--headless",
@@ -53,8 +55,8 @@ Status WriteScreen(const fs::path& page, const fs::path& picture) {
                                         "--window-size=1300,1500",
                                         "--user-data-dir=" + (scratch.path() / "profile").string(),
                                         "--screenshot=" + written.string(),
-                                        "file://" + fs::absolute(page, unknown).string()};
-  if (geteuid() == 0) arguments.insert(arguments.begin(), "--no-sandbox");  // which root cannot have
+                                        "file://" + shown.string()};
+  if (geteuid() == 0) arguments.insert(arguments.begin(), "--no-sandbox");  // Chromium's sandbox refuses root
   const ProgramAnswer answer = RunAndCapture(browser, arguments, {true, kSilence_s});
   if (!fs::is_regular_file(written, unknown)) {
     return Fail(ErrorCode::kInternal, "the browser wrote no picture: " + LastLine(answer.text), DisplayPath(browser),

@@ -2,6 +2,7 @@
 #include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
 
 #include "core/base/file.h"
@@ -242,12 +243,15 @@ class PictureMaker {
   Expected<std::string> UnseenPairs(const DrawnMotionsOptions& picture, const fs::path& dataset) const {
     const auto set = ReadDataset(dataset);
     if (!set) return Forward(set);
+    std::vector<int> rows = set->splits.empty() ? std::vector<int>() : set->splits.front().train;
+    if (rows.empty()) {
+      rows.resize(set->clips.size());
+      std::iota(rows.begin(), rows.end(), 0);
+    }
     std::set<std::pair<std::string, std::string>> seen, unseen;
-    for (std::size_t i = 0; i < set->clips.size(); ++i) {
-      const std::vector<Segment>& parts = set->clips[i].segments;
-      const bool trains = set->splits.empty() || std::count(set->splits.front().train.begin(),
-                                                            set->splits.front().train.end(), static_cast<int>(i)) > 0;
-      if (trains && parts.size() > 1) seen.emplace(parts.front().label, parts.back().label);
+    for (const int row : rows) {
+      const std::vector<Segment>& parts = set->clips[static_cast<std::size_t>(row)].segments;
+      if (parts.size() > 1) seen.emplace(parts.front().label, parts.back().label);
     }
     for (const std::string& text : picture.scripts) {
       const auto script = ReadScript(text);
@@ -303,10 +307,10 @@ class PictureMaker {
       sets.insert(sets.end(), own->begin(), own->end());
     }
     if (sets.empty()) return {};
-    if (!picture.themes.empty()) {
+    if (picture.unseen_pairs) {
       const auto unseen = UnseenPairs(picture, *folder / "dataset.h5");
       if (!unseen) return Forward(unseen);
-      if (!unseen->empty()) shown.corner += "; pairs that training lacks: " + *unseen;
+      shown.title += "; pairs of actions that training lacks: " + (unseen->empty() ? "none" : *unseen);
     }
     ItemSpec item{"motions", nlohmann::json(), {}};
     for (const DrawnSet& one : sets) item.inputs.push_back({"motions", one.name, one.file, ""});
@@ -409,7 +413,12 @@ class PictureMaker {
       if (asked.solid.size() == 2) plot.solid = {asked.solid[0], asked.solid[1]};
       AddCurves(asked, asked.metric, plot);
       if (!asked.right.empty()) AddCurves(asked, asked.right, plot);
-      if (plot.curves.empty()) Lose("plot '" + asked.title + "'", "no row of the tables has " + asked.metric);
+      for (const auto& [row, name] : asked.curves) {
+        if (PointsOf(asked.metric)[row].size() > 1) continue;
+        Lose("plot '" + asked.title + "', curve '" + (name.empty() ? row : name) + "'",
+             "the tables have less than two values of " + asked.metric);
+        sheet.note += (sheet.note.empty() ? "Without values: " : ", ") + (name.empty() ? row : name);
+      }
       sheet.plots.push_back(std::move(plot));
     }
     const fs::path picture = run_.folder / "pictures/curves.svg";
@@ -424,16 +433,20 @@ class PictureMaker {
 
   // Studies.
 
-  /// At most `samples` clips of each label of a dataset, as a file of their own.
+  /// At most `samples` clips of each label of a dataset, evenly spaced, as a file of their own.
   Expected<fs::path> SomeOf(const fs::path& dataset, const PaperSurveyOptions& survey) const {
     auto set = ReadDataset(dataset);
     if (!set) return Forward(set);
-    std::map<std::string, std::int64_t> taken;
     std::vector<Clip> clips;
-    for (Clip& clip : set->clips) {
-      const bool asked = survey.labels.empty() ||
-                         std::find(survey.labels.begin(), survey.labels.end(), clip.label) != survey.labels.end();
-      if (asked && taken[clip.label]++ < survey.samples) clips.push_back(std::move(clip));
+    std::map<std::string, std::vector<std::size_t>> of_label;
+    for (std::size_t i = 0; i < set->clips.size(); ++i) of_label[set->clips[i].label].push_back(i);
+    for (const auto& [label, rows] : of_label) {
+      const bool asked =
+          survey.labels.empty() || std::find(survey.labels.begin(), survey.labels.end(), label) != survey.labels.end();
+      const auto count = std::min(rows.size(), static_cast<std::size_t>(survey.samples));
+      for (std::size_t k = 0; asked && k < count; ++k) {
+        clips.push_back(std::move(set->clips[rows[k * rows.size() / count]]));
+      }
     }
     set->clips = std::move(clips);
     set->splits.clear();
@@ -465,10 +478,11 @@ class PictureMaker {
     const auto fitted = NewFile(survey.kind, name + "_fitted");
     if (!fitted) return Forward(fitted);
     fit.output = *fitted;
-    fit.force = true;
+    std::error_code unknown;
+    fs::remove(*fitted, unknown);
     const Status done = FitVerb(own_, fit);
-    if (!done && done.error().code != ErrorCode::kTooManyFailures) return Forward(done);  // suspect fits are shown too
-    return *fitted;
+    if (!fs::exists(*fitted, unknown)) return Forward(done);
+    return *fitted;  // suspect fits are shown too
   }
 
   /// Makes the page of questions, and the figure, which is marked as without answers.
@@ -491,6 +505,7 @@ class PictureMaker {
     SurveyTallyArguments tally;
     tally.key = asked.output / "key.json";
     tally.output = asked.output / "tally";
+    tally.corner = CornerOf({&options_.data.front()});
     tally.force = true;
     if (Status counted = SurveyTallyVerb(own_, tally); !counted) return counted;
     const fs::path page = asked.output / "survey.html";
@@ -501,9 +516,9 @@ class PictureMaker {
     if (!options_.reproduce.screens) return {};
     const fs::path picture = run_.folder / "pictures" / (survey.kind + "_page.png");
     if (Status made = MakeFolder(picture.parent_path()); !made) return made;
-    if (Status taken = WriteScreen(page, picture); !taken) return taken;
-    made_.files.push_back(picture);
-    return {};
+    const Status taken = WriteScreen(page, picture);
+    if (taken) made_.files.push_back(picture);
+    return Finished("picture '" + survey.kind + "_page'", taken);
   }
 
   const JobOptions& options_;

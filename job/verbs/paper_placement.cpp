@@ -61,22 +61,21 @@ Expected<PlacedMotions> PlacedByEachRule(const std::filesystem::path& dataset, c
   const RigidTransform zero{upright, -(upright * motion.root_translation[static_cast<std::size_t>(last)])};
   const std::tuple<const char*, RigidTransform, std::vector<std::size_t>> rules[] = {
       {"before", RigidTransform(), {0}}, {"face-front", FacingFront(motion, last), {0, 1}}, {"zero", zero, {1}}};
+  set->splits.clear();
+  set->labels = placed.labels;
   for (const auto& [name, rule, panels] : rules) {
-    Dataset one = *set;
-    one.splits.clear();
-    one.clips.clear();
-    one.labels = placed.labels;
+    set->clips.clear();
     for (const std::size_t panel : panels) {
       Clip clip = *source;
       Transform(rule, clip);
       clip.label = placed.labels[panel];
       clip.segments.clear();
       clip.identity.recording += "." + std::to_string(panel);
-      one.clips.push_back(std::move(clip));
+      set->clips.push_back(std::move(clip));
     }
     std::filesystem::path own = file;
     own.replace_filename(file.stem().string() + "_" + name + ".h5");
-    if (Status written = WriteDataset(one, own); !written) return Forward(written);
+    if (Status written = WriteDataset(*set, own); !written) return Forward(written);
     placed.sets.emplace_back(name, own);
   }
   return placed;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -420,16 +421,22 @@ class Reproduction {
     for (const char* ending : {".md", ".csv", ".tex", ".json"}) {
       note("tables/" + name_ + ending, json_.at("table").is_string(), JobStage::kTable);
     }
-    std::vector<std::string> pictures = {"pictures/curves.svg"};
+    std::map<std::string, std::string> pictures;  // file -> the picture or page that it was made with
+    for (const char* ending : {".svg", ".json"})
+      pictures[std::string("pictures/curves") + ending] = "pictures/curves.svg";
     for (const DrawnMotionsOptions& picture : item().pictures) {
-      for (const char* ending : {".svg", ".png"}) pictures.push_back("pictures/" + picture.name + ending);
+      const std::string name = "pictures/" + picture.name;
+      for (const char* ending : {".svg", ".png", ".json"}) pictures[name + ending] = name + ".svg";
     }
     for (const PaperSurveyOptions& survey : item().surveys) {
-      pictures.push_back("survey/" + survey.kind + "/survey.html");
-      pictures.push_back("pictures/" + survey.kind + "_page.png");
+      const std::string name = "survey/" + survey.kind, screen = "pictures/" + survey.kind + "_page.png";
+      for (const char* file : {"/survey.html", "/key.json", "/tally/figure.svg"}) {
+        pictures[name + file] = name + "/survey.html";
+      }
+      pictures[screen] = screen;
     }
-    for (const std::string& file : pictures) {
-      note(file, std::find(made.begin(), made.end(), folder_ / file) != made.end(), JobStage::kReport);
+    for (const auto& [file, of] : pictures) {
+      note(file, std::find(made.begin(), made.end(), folder_ / of) != made.end(), JobStage::kReport);
     }
     return AddStale(folder_, earlier);
   }

@@ -227,7 +227,7 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
   for (const auto& [name, text] :
        {std::pair("tally.json", SurveyJsonText(json)), std::pair("tally.csv", TallyToCsv(tally)),
         std::pair("differences.csv", DifferencesToCsv(tally)), std::pair("tally.md", TallyToMarkdown(tally)),
-        std::pair("figure.svg", TallyToSvg(tally))}) {
+        std::pair("figure.svg", TallyToSvg(tally, arguments.corner))}) {
     if (Status written = WriteFile(output(name), text); !written) return written;
   }
   if (AnswersInText(common, json)) {

@@ -223,6 +223,7 @@ struct SurveyMakeArguments {
 struct SurveyTallyArguments {
   std::filesystem::path key;
   std::vector<std::filesystem::path> answers;
+  std::string corner;            ///< origin of the motions, below the figure; or empty
   bool skip_bad = false;         ///< skip invalid files, with a warning
   std::filesystem::path output;  ///< folder for the tally's files
   bool force = false;            ///< overwrite

@@ -160,6 +160,7 @@ Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
   if (!rows) return Forward(rows);
   double rate = 1.0, frames = 1.0, seconds = 0.0;
   for (const MotionRow& row : *rows) {
+    if (row.clips.empty()) continue;
     rate = std::min(kMostOfRows, std::max(rate, row.clips.front().motion->rate.hz()));
     frames = std::max(frames, static_cast<double>(row.clips.front().motion->frame_count()));
     seconds = std::max(seconds, row.clips.front().motion->duration());
