@@ -437,17 +437,17 @@ class PictureMaker {
   Expected<fs::path> SomeOf(const fs::path& dataset, const PaperSurveyOptions& survey) const {
     auto set = ReadDataset(dataset);
     if (!set) return Forward(set);
-    std::vector<Clip> clips;
     std::map<std::string, std::vector<std::size_t>> of_label;
     for (std::size_t i = 0; i < set->clips.size(); ++i) of_label[set->clips[i].label].push_back(i);
+    std::set<std::size_t> chosen;
     for (const auto& [label, rows] : of_label) {
       const bool asked =
           survey.labels.empty() || std::find(survey.labels.begin(), survey.labels.end(), label) != survey.labels.end();
       const auto count = std::min(rows.size(), static_cast<std::size_t>(survey.samples));
-      for (std::size_t k = 0; asked && k < count; ++k) {
-        clips.push_back(std::move(set->clips[rows[k * rows.size() / count]]));
-      }
+      for (std::size_t k = 0; asked && k < count; ++k) chosen.insert(rows[k * rows.size() / count]);
     }
+    std::vector<Clip> clips;
+    for (const std::size_t row : chosen) clips.push_back(std::move(set->clips[row]));
     set->clips = std::move(clips);
     set->splits.clear();
     const auto file = NewFile(survey.kind, kRealRow);
