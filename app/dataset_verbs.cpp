@@ -114,8 +114,9 @@ void AddSurvey(const CommandLine& line) {
   make->add_option("--figure", making->figure,
                    "draw a skinned body or bones (default: skin with real_or_fake or --body, else bones)")
       ->check(CLI::IsMember({"skin", "bones"}));
-  make->add_option("--body", making->body,
-                   "body of the skin: SMPL_NEUTRAL.pkl, body_cc0.h5 (default: below MOCURATE_WEIGHTS)");
+  make->add_option(
+      "--body", making->body,
+      "body of the skin: SMPL_NEUTRAL.pkl, body_cc0.h5 (default: below MOCURATE_WEIGHTS or MOCURATE_DATA)");
   make->add_option("--seed", making->seed, "seed of all draws: motions, their order, places and windows")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9000000000000000}))
       ->capture_default_str();

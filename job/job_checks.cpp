@@ -212,6 +212,23 @@ Status CheckDataSets(const std::vector<DataSetOptions>& sets) {
   return {};
 }
 
+/// Pictures are files of one folder.
+Status CheckPictures(const std::vector<DrawnMotionsOptions>& pictures) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const std::string& name = pictures[i].name;
+    const std::string where = "reproduce.pictures[" + std::to_string(i) + "].name";
+    if (name.empty() || name.front() == '.' || name.find_first_of("/\\") != std::string::npos) {
+      return Fail(ErrorCode::kConfig, "'" + name + "' is not a valid name of a file", where, "use no '/' and '\\'");
+    }
+    if (!seen.insert(name).second) {
+      return Fail(ErrorCode::kConfig, "two pictures have the name '" + name + "'", where,
+                  "give each a name of its own");
+    }
+  }
+  return {};
+}
+
 Status CheckSplitNames(const JobOptions& options, JobStage last) {
   struct Asked {
     std::string option;
@@ -294,6 +311,7 @@ FitMethod MethodFor(EvidenceKind gives) {
 
 Status CheckNames(const JobOptions& options, JobStage last) {
   if (Status sets = CheckDataSets(options.data); !sets) return sets;
+  if (Status pictures = CheckPictures(options.reproduce.pictures); !pictures) return pictures;
   if (Status skeletons = CheckSkeletons(options); !skeletons) return skeletons;
   if (Status actions = CheckIngestActions(options.ingest); !actions) return actions;
   if (Status training = CheckTraining(options.train); !training && last >= JobStage::kTrain) return training;

@@ -233,6 +233,12 @@ Drawing BarChart::Draw() const {
     drawing.Text((full > 0.0 ? left + kBar : x) + 8.0, y + 15.0, row.value_text, 12.0);
     y += kStep;
   }
+  for (const double share : {0.0, 0.5, 1.0}) {
+    if (full <= 0.0) break;
+    drawing.Line({{left + kBar * share, 0.0}, {left + kBar * share, y}}, 0.7, kQuietColour, share == 0.5);
+    drawing.Text(left + kBar * share, y + 12.0, MarkText(share * full), kText, TextAnchor::kMiddle, kQuietColour);
+  }
+  if (full > 0.0) y += 18.0;
   std::vector<std::pair<std::string, Colour>> names;
   for (const BarPart& part : legend) names.emplace_back(part.name, part.colour);
   y = DrawLegend(names, left, y, kBar, drawing);

@@ -146,12 +146,11 @@ std::string SeenHtml(const ClipPageInput& input) {
   } else if (!input.options.no_video.empty()) {
     html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
   }
-  const Motion& motion = *clip.fitted.motion;
   const bool points = TracksOf(clip) != nullptr;
   if (points) {
-    html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.item, motion, TracksOf(clip), false)));
+    html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip), false)));
   }
-  html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.item, motion)));
+  html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.fitted)));
   return html +
          "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
          "aria-label=\"The clip in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\">"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace mocurate {
@@ -80,10 +79,6 @@ cv::Mat ToImage(const Drawing& drawing, double scale) {
   return image;
 }
 
-std::string ToPng(const Drawing& drawing, double scale) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", ToImage(drawing, scale), bytes);
-  return {bytes.begin(), bytes.end()};
-}
+std::string ToPng(const Drawing& drawing, double scale) { return EncodePng(ToImage(drawing, scale)).value_or(""); }
 
 }  // namespace mocurate

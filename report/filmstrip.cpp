@@ -50,13 +50,16 @@ bool Observes(const JointTracks& tracks, int frame, int point) {
 
 std::vector<int> SidesOf(const Skeleton& skeleton) {
   std::vector<int> sides(skeleton.joints.size(), 0);
+  std::vector<double> place;  // along x in the rest pose, of the whole chain: a single bone may point inwards
+  for (const Joint& joint : skeleton.joints) {
+    place.push_back(joint.rest_offset.x() + (joint.parent >= 0 ? place[static_cast<std::size_t>(joint.parent)] : 0.0));
+  }
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const Joint& joint = skeleton.joints[j];
     if (joint.mirror < 0 || joint.mirror == j) continue;
-    const double own = joint.rest_offset.x();
-    const double other = skeleton.joints[joint.mirror].rest_offset.x();
-    if (std::abs(own - other) > 1e-6)
-      sides[j] = own > other ? 1 : -1;
+    const double apart = place[j] - place[joint.mirror];
+    if (std::abs(apart) > 1e-6)
+      sides[j] = apart > 0.0 ? 1 : -1;
     else if (joint.parent >= 0)
       sides[j] = sides[joint.parent];
   }

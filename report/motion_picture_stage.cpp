@@ -142,16 +142,6 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
   return rows;
 }
 
-std::vector<std::string> SourcesWithout(const StageRequest& request, const std::vector<MotionRow>& rows) {
-  std::vector<std::string> without;
-  for (const StageInput& input : request.inputs) {
-    const bool shown =
-        std::any_of(rows.begin(), rows.end(), [&](const MotionRow& row) { return row.method == input.name; });
-    if (input.role == "motions" && !shown) without.push_back(input.name);
-  }
-  return without;
-}
-
 Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
   const auto options = OptionsFromJson<MotionPictureOptions>(request.options, "draw");
   if (!options) return Forward(options);
@@ -170,8 +160,7 @@ Expected<StageOutcome> MotionPictureStage(const StageRequest& request) {
   outcome.summary = {{"rows", rows->size()},
                      {"width", drawing.width},
                      {"height", drawing.height},
-                     {"shown", DescribeRows(*rows, *options)},
-                     {"without", SourcesWithout(request, *rows)}};
+                     {"shown", DescribeRows(*rows, *options)}};
   return outcome;
 }
 

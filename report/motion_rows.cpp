@@ -562,7 +562,7 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
     drawing.Line({{left + 12.0, floor}, {left + kCell - 12.0, floor}}, 0.8, kFaintColour);
     Place(FigureOf(rows[r], clip, frame, LevelEye(motion, frame, FrontView(motion)), options.figure),
           {middle, floor + scale * height.min()[0]}, scale, drawing);
-    std::string label = rows[r].label;
+    std::string label = rows[r].label.empty() ? FixedText(seconds, 2) + " s" : rows[r].label;
     for (const Segment& segment : clip.segments) {
       if (seconds >= segment.begin_s && seconds < segment.end_s) label = segment.label;
     }
@@ -573,17 +573,18 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
   return drawing;
 }
 
-Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const JointTracks* tracks, bool bones) {
+Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks, bool bones, FigureChoice figure) {
   MotionPictureOptions options;
   options.stills = 8;
   options.path = false;
-  MotionRow row{"", "", {Clip()}};
-  row.clips.front().motion = motion;
+  options.figure = figure;
+  MotionRow row{"", "", {clip}};
+  row.clips.front().segments.clear();
   row.tracks = tracks;
   row.bones = bones;
   const std::vector<MotionRow> rows = {row};
   Drawing drawing = RowsDrawing(rows, options, 0.0).Draw();
-  drawing.title = "Stick figures of " + name + ", stills from " + Counted(motion.frame_count(), "frame");
+  drawing.title = "Figures of " + clip.id() + ", stills from " + Counted(clip.motion->frame_count(), "frame");
   return drawing;
 }
 

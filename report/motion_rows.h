@@ -45,9 +45,6 @@ Expected<std::vector<MotionRow>> ChooseMotionRows(const std::vector<NamedMotions
 /// The rows of the stages `draw` and `draw_video` from their inputs. Errors of reading them, and of ChooseMotionRows.
 Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const MotionPictureOptions& options);
 
-/// Names of the sets without a row.
-std::vector<std::string> SourcesWithout(const StageRequest& request, const std::vector<MotionRow>& rows);
-
 /// Rows of equally spaced frames at one scale, each figure below its own root: name, theme and label to the left,
 /// seconds below, brackets over the segments of long motions; to the right the root's path in perspective, with its
 /// shadow on the floor. With `world` all rows stand over their floor; with `scene` each label is one panel.
@@ -60,9 +57,9 @@ nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPict
 /// All rows at one moment, side by side; a motion that has ended stays at its last frame.
 Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double seconds);
 
-/// Stick figures of a clip side by side: tracked points grey, where there are `tracks`; the motion in colour, where
-/// `bones`. Both are at the same positions.
-Drawing DrawFilmstrip(const std::string& name, const Motion& motion, const JointTracks* tracks = nullptr,
-                      bool bones = true);
+/// Figures of a clip side by side: tracked points, where there are `tracks`; the motion in colour, where `bones`. Both
+/// are at the same positions.
+Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks = nullptr, bool bones = true,
+                      FigureChoice figure = FigureChoice::kBones);
 
 }  // namespace mocurate

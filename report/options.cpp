@@ -81,12 +81,12 @@ StageDeclaration SurveyDeclaration() { return {"survey", 3, "mocurate-annotate",
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 9, "mocurate-annotate", ClipLimits()}; }
 
-StageDeclaration ClipVideoDeclaration() { return {"clip_video", 3, "mocurate-video", ClipLimits()}; }
+StageDeclaration ClipVideoDeclaration() { return {"clip_video", 4, "mocurate-video", ClipLimits()}; }
 
 StageDeclaration MotionPictureDeclaration() { return {"draw", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration MotionVideoDeclaration() { return {"draw_video", 2, "mocurate-video", WholeSetLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 4, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration PictureDeclaration() { return {"picture", 5, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

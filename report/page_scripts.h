@@ -111,7 +111,7 @@ const mocuratePlayer = (() => {
       const before = clip.joints[Math.floor(place)], after = clip.joints[Math.ceil(place)];
       return part > 0 ? before.map((v, i) => v + part * (after[i] - v)) : before;
     };
-    const whole = extent(clip), radius = whole.radius, floor = whole.floor;
+    const whole = extent(clip), radius = clip.radius || whole.radius, floor = whole.floor;
     const view = {yaw: clip.yaw, pitch: clip.pitch, frame: clip.start || 0, playing: false, last: 0};
     slider.max = String(Math.max(0, frames - 1));
 
@@ -136,9 +136,10 @@ const mocuratePlayer = (() => {
       const at = (row, i) => row[3 * i] === null ? null : place(row[3 * i], row[3 * i + 1], row[3 * i + 2]);
       const stroke = (a, b) => {
         if (!a || !b) return;
+        const dot = Math.hypot(a[0] - b[0], a[1] - b[1]) < 0.5 ? 0.5 : 0;  // joints that coincide are seen
         pen.beginPath();
-        pen.moveTo(a[0], a[1]);
-        pen.lineTo(b[0], b[1]);
+        pen.moveTo(a[0] - dot, a[1]);
+        pen.lineTo(b[0] + dot, b[1]);
         pen.stroke();
       };
       pen.lineCap = 'round';
@@ -230,6 +231,7 @@ const mocuratePlayer = (() => {
   const again = () => redraws.forEach(draw => draw());
   window.addEventListener('resize', again);
   window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+  build.extent = extent;
   return build;
 })();
 (() => {

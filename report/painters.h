@@ -7,6 +7,7 @@
 #include "core/motion/clip.h"
 #include "report/drawing.h"
 #include "report/filmstrip.h"
+#include "report/motion_rows.h"
 #include "report/posed_body.h"
 
 namespace mocurate {
@@ -88,19 +89,13 @@ int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view);
 /// The fitted body from its front, the tracked points before it, time below.
 class FrontPainter {
  public:
-  FrontPainter(const Clip& fitted, const Evidence& evidence, const std::vector<int>& frames, int height);
+  /// `height` pixels of every picture.
+  FrontPainter(const Clip& fitted, const Evidence& evidence, int height);
   cv::Mat Draw(int frame) const;
 
  private:
-  const Clip* fitted_;
-  const Evidence* evidence_;
-  Viewpoint view_;
-  double low_ = 1e9;
-  double high_ = -1e9;
-  double floor_ = 0.0;
-  double pixels_per_metre_ = 1.0;
-  int width_ = 0;
-  int height_ = 0;
+  std::vector<MotionRow> rows_;
+  int height_;
 };
 
 /// Stills of the fitted body with the tracked points (dark) in front, time below; a PNG. Errors of this and the next

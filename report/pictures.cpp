@@ -14,48 +14,9 @@ namespace mocurate {
 namespace {
 
 constexpr int kOversampling = 2;
-const cv::Scalar kInk(64, 56, 52);
 
 cv::Point Rounded(const Vector2d& at) {
   return {static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y()))};
-}
-
-double FloorOf(const Motion& motion) {
-  double floor = motion.joints.at(0, 0).y();
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    for (int j = 0; j < motion.joint_count(); ++j) floor = std::min(floor, motion.joints.at(f, j).y());
-  }
-  return floor - 0.03;
-}
-
-void DrawTracks(const JointTracks& tracks, const Skeleton& skeleton, int frame, const Camera& camera, cv::Mat& image) {
-  const auto place = [&](int point) -> std::optional<cv::Point> {
-    if (frame >= tracks.positions.frames) return std::nullopt;
-    if (!(tracks.confidence[static_cast<std::size_t>(frame) * tracks.positions.joints + point] > 0.0))
-      return std::nullopt;
-    const auto pixel = camera.ProjectWorld(tracks.positions.at(frame, point));
-    if (!pixel || !pixel->allFinite() || pixel->norm() > 1e5) return std::nullopt;
-    return Rounded(*pixel);
-  };
-  for (const auto& [a, b] : MatchTracks(tracks.names, skeleton).lines) {
-    const auto from = place(a);
-    const auto to = place(b);
-    if (from && to) cv::line(image, *from, *to, kInk, 2, cv::LINE_AA);
-  }
-  for (int k = 0; k < tracks.positions.joints; ++k) {
-    const auto at = place(k);
-    if (!at) continue;
-    cv::circle(image, *at, 8, cv::Scalar(255, 255, 255), cv::FILLED, cv::LINE_AA);
-    cv::circle(image, *at, 6, kInk, cv::FILLED, cv::LINE_AA);
-  }
-}
-
-void WriteBelow(const std::string& text, cv::Mat& image) {
-  const double size = 0.45 * kOversampling;
-  int base = 0;
-  const cv::Size extent = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, kOversampling, &base);
-  cv::putText(image, text, {(image.cols - extent.width) / 2, image.rows - 8 * kOversampling}, cv::FONT_HERSHEY_SIMPLEX,
-              size, kInk, kOversampling, cv::LINE_AA);
 }
 
 cv::Mat Smaller(const cv::Mat& image) {
@@ -130,37 +91,22 @@ void DrawCloud(const std::vector<Vector3d>& points, const Camera& camera, const 
 
 }  // namespace
 
-FrontPainter::FrontPainter(const Clip& fitted, const Evidence& evidence, const std::vector<int>& frames, int height)
-    : fitted_(&fitted), evidence_(&evidence), view_(FrontView(*fitted.motion)), floor_(FloorOf(*fitted.motion)) {
-  const Extent extent(*fitted.motion, frames);
-  low_ = extent.low.y();
-  high_ = extent.high.y();
-  height_ = height * kOversampling;
-  pixels_per_metre_ = 0.88 * height_ / extent.Height();
-  const double wanted = std::clamp(2.0 * extent.reach * pixels_per_metre_, 0.4 * height_, 1.2 * height_);
-  width_ = static_cast<int>(wanted) / kOversampling * kOversampling;
+FrontPainter::FrontPainter(const Clip& fitted, const Evidence& evidence, int height)
+    : rows_{{"", "", {fitted}}}, height_(height) {
+  rows_.front().tracks = evidence.tracks ? &*evidence.tracks : nullptr;
 }
 
 cv::Mat FrontPainter::Draw(int frame) const {
-  const Motion& motion = *fitted_->motion;
-  Vector3d centre = motion.joints.at(frame, 0);
-  centre.y() = 0.5 * (low_ + high_) - 0.04;
-  const Camera camera = LookAt(view_, centre, pixels_per_metre_, width_, height_);
-  cv::Mat image = ShadeBody(BodyOf(*fitted_, frame), camera, floor_).image;
-  if (evidence_->tracks) DrawTracks(*evidence_->tracks, *motion.skeleton, frame, camera, image);
-  WriteBelow(FixedText(motion.rate.FrameTime(frame), 2) + " s", image);
-  return Smaller(image);
+  MotionPictureOptions options;
+  options.figure = FigureChoice::kCapsules;
+  const Drawing drawing = DrawMotionGrid(rows_, options, rows_.front().clips.front().motion->rate.FrameTime(frame));
+  return ToImage(drawing, height_ / drawing.height);
 }
 
 Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence) {
   if (Status ok = CheckFrame(fitted, 0); !ok) return Forward(ok);
-  const std::vector<int> chosen = StillFrames(fitted.motion->frame_count());
-  const FrontPainter painter(fitted, evidence, chosen, 400);
-  std::vector<cv::Mat> stills;
-  for (const int frame : chosen) stills.push_back(painter.Draw(frame));
-  cv::Mat strip;
-  cv::hconcat(stills, strip);
-  return EncodePng(strip);
+  return ToPng(DrawFilmstrip(fitted, evidence.tracks ? &*evidence.tracks : nullptr, true, FigureChoice::kCapsules),
+               2.0);
 }
 
 Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame) {

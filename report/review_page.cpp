@@ -65,7 +65,7 @@ std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& 
                        ShortText(clip.rate.hz()) + " Hz" +
                        (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
                    "soft") +
-         "<div class=\"clip\"><div>" + ToInlineSvg(DrawFilmstrip(clip.id(), *clip.motion)) + "</div>\n" +
+         "<div class=\"clip\"><div>" + ToInlineSvg(DrawFilmstrip(clip)) + "</div>\n" +
          PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
          button("drop", "d") + button("relabel", "r") +
          LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +

@@ -260,11 +260,11 @@ std::string FunnelHtml(const ReportInput& input) {
                         {{static_cast<double>(KeptClips(input.run)), kAfterColour, "kept"}},
                         std::to_string(KeptClips(input.run)) + " of " + std::to_string(listed)});
   std::string html = Paragraph("Results of " + Plural(listed, "clip") + " by stage.");
-  html += Paragraph(
-      "<span class=\"k-good\"></span>done<span class=\"k-suspect\"></span>suspect, but kept<span class=\"k-before\" "
-      "style=\"margin-left:12px\"></span>"
-      "excluded by a rule<span class=\"k-bad\"></span>failed<span class=\"k-after\"></span>in the dataset",
-      "key soft");
+  chart.legend = {{0.0, kGoodColour, "done"},
+                  {0.0, kSuspectColour, "suspect, but kept"},
+                  {0.0, kBeforeColour, "excluded by a rule"},
+                  {0.0, kBadColour, "failed"},
+                  {0.0, kAfterColour, "in the dataset"}};
   html += ToInlineSvg(chart.Draw()) + ReasonsTable(input.run);
   return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";
 }

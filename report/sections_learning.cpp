@@ -159,7 +159,7 @@ const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
 }
 
 std::string Strip(const std::string& title, const Clip* clip) {
-  return Figure(EscapeHtml(title), clip == nullptr ? "none" : ToInlineSvg(DrawFilmstrip(title, *clip->motion)));
+  return Figure(EscapeHtml(title), clip == nullptr ? "none" : ToInlineSvg(DrawFilmstrip(*clip)));
 }
 
 }  // namespace

@@ -224,24 +224,22 @@ Expected<nlohmann::json> BodyOfAll(const std::filesystem::path& file, const Surv
 
 /// Problems of a survey: cues that may reveal the sources although the page names none, and meaningless questions.
 nlohmann::json NotesOf(const ShownClips& shown, const SurveyKey& key) {
-  std::set<std::vector<int>> trees;
-  long long same = 0, brief = 0;
+  const Skeleton& skeleton = *shown.front().front().motion->skeleton;
+  long long same = 0, brief = 0, unlike = 0;
   for (std::size_t q = 0; q < shown.size(); ++q) {
     std::set<std::string> motions;
     for (std::size_t i = 0; i < shown[q].size(); ++i) {
-      std::vector<int> parents;
-      for (const Joint& joint : shown[q][i].motion->skeleton->joints) parents.push_back(joint.parent);
-      trees.insert(std::move(parents));
+      if (!SameTree(*shown[q][i].motion->skeleton, skeleton)) ++unlike;
       motions.insert(key.questions[q].shown[i].fingerprint);
     }
     if (motions.size() < shown[q].size()) ++same;
     if (shown[q].front().motion->duration() < kShortQuestion) ++brief;
   }
   nlohmann::json notes = nlohmann::json::array();
-  if (trees.size() > 1) {
-    notes.push_back(std::to_string(trees.size()) +
-                    " different skeletons are shown: their bones can reveal the sources; export or generate all "
-                    "with one skeleton");
+  if (unlike > 0) {
+    notes.push_back(
+        "different skeletons are shown: their bones can reveal the sources; export or generate all "
+        "with one skeleton");
   }
   if (same > 0) {
     notes.push_back(Counted(same, "question") +

@@ -126,6 +126,8 @@ inline constexpr const char* kSurveyScript = R"js(
     element('p', 'soft', ranking ? 'Which has the best quality and fits the label best? The best is first.' :
         'Judge each motion by itself. Do not compare them with one another.', section);
     const clips = element('div', 'clips', '', section);
+    const drawn = question.motions.map(motion => skin ? skin.clipOf(motion) : {...motion});
+    const radius = Math.max(...drawn.map(clip => mocuratePlayer.extent({...clip, follow: true}).radius));  // one scale
     const shown = question.motions.map((motion, i) => {
       const root = element('div', 'shown', '', clips), name = 'Motion ' + (i + 1);
       const title = element('h3', '', name + ' ', root);
@@ -141,7 +143,7 @@ inline constexpr const char* kSurveyScript = R"js(
         button.dataset.choice = choice;
         button.addEventListener('click', () => answer(i, choice));
       }
-      const clip = {...(skin ? skin.clipOf(motion) : motion), follow: true};
+      const clip = {...drawn[i], follow: true, radius};
       const one = {root, name, clip, player: mocuratePlayer(root.querySelector('.player'), clip), plays: false};
       // The players' own buttons act on one motion: what the key does next follows the first.
       root.querySelector('.controls button').addEventListener('click', () => { one.plays = !one.plays; }, true);

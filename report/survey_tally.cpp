@@ -335,13 +335,15 @@ std::string TallyToSvg(const SurveyTally& tally, const std::string& corner) {
   for (const TallyRow& row : tally.rows) {
     if (!row.label.empty()) continue;
     const VoteShare& best = row.shares.back();  // of the first two places, or judged real
-    const std::string share = FixedText(100.0 * best.share, 0) + (ranking ? " % in the first two" : " %");
+    const std::string first = ranking ? FixedText(100.0 * row.shares.front().share, 0) + " % first, " : "";
+    const std::string share = first + FixedText(100.0 * best.share, 0) + (ranking ? " % in the first two" : " %");
     BarChart::Row bar{row.source, {}, row.votes == 0 ? "no answers" : share};
     const std::size_t parts = ranking ? row.counts.size() : 1;  // the best rank is the darkest
     for (std::size_t rank = 0; rank < parts; ++rank) {
       const double lighter = 0.85 * static_cast<double>(rank) / static_cast<double>(parts);
       bar.parts.push_back({static_cast<double>(row.counts[rank]) / std::max(1.0, static_cast<double>(row.votes)),
-                           Lightened(kAfterColour, lighter), ranking ? "rank " + std::to_string(rank + 1) : "real"});
+                           Lightened(kAfterColour, lighter),
+                           ranking ? "rank " + std::to_string(rank + 1) : "judged real"});
     }
     if (best.wilson && !ranking) bar.interval = {best.wilson->low, best.wilson->high};
     chart.legend = bar.parts;
@@ -349,6 +351,9 @@ std::string TallyToSvg(const SurveyTally& tally, const std::string& corner) {
   }
   const auto people = static_cast<long long>(tally.participants.size());
   chart.note = people == 0 ? "There are no answers." : Counted(people, "participant") + ".";
+  if (!tally.skipped.empty()) {
+    chart.note += " " + Counted(static_cast<long long>(tally.skipped.size()), "file") + " not counted.";
+  }
   if (people > 0 && !ranking) chart.note += " Whiskers: 95 % (Wilson), assuming independent votes.";
   return ToSvg(chart.Draw());
 }

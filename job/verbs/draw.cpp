@@ -78,8 +78,10 @@ Status DrawVerb(CommonArguments& common, const DrawArguments& arguments) {
     if (Status made = MakeFolder(folder); !made) return made;
   }
   if (Status copied = CopyWhole(drawn->artifact, arguments.output); !copied) return copied;
-  for (const nlohmann::json& without : drawn->summary.value("without", nlohmann::json::array())) {
-    LogWarning(without.get<std::string>() + " has no motion with the selected labels or clips");
+  for (const nlohmann::json& row : drawn->summary.at("shown")) {
+    if (const std::string why = row.at("absent"); !why.empty()) {
+      LogWarning(row.at("source").get<std::string>() + ", " + row.at("label").get<std::string>() + ": " + why);
+    }
   }
   const long long rows = drawn->summary.value("rows", 0LL);
   if (AnswersInText(common, {{"path", DisplayPath(arguments.output)}, {"rows", rows}})) {

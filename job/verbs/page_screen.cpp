@@ -9,6 +9,7 @@
 #include "job/run_and_capture.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
+#include "report/html.h"
 
 namespace mocurate {
 namespace {
@@ -32,7 +33,7 @@ fs::path FindBrowser() {
 
 }  // namespace
 
-Status WriteScreen(const fs::path& page, const fs::path& picture) {
+Status WriteScreen(const fs::path& page, const std::string& corner, const fs::path& picture) {
   const fs::path browser = FindBrowser();
   if (browser.empty()) {
     return Fail(ErrorCode::kMissingOnHost, "no browser to show the page with", DisplayPath(page),
@@ -41,7 +42,10 @@ Status WriteScreen(const fs::path& page, const fs::path& picture) {
   const TemporaryFolder scratch;
   if (scratch.path().empty()) return TemporaryFolder::Missing();
   const fs::path shown = scratch.path() / "index.html";  // a URL may not have all characters of a path
-  if (Status copied = CopyWhole(page, shown); !copied) return copied;
+  auto html = ReadFile(page);
+  if (!html) return Forward(html);
+  *html += "<p style=\"text-align: right; margin: 0 24px\">" + EscapeHtml(corner) + "</p>\n";
+  if (Status written = WriteFile(shown, *html); !written) return written;
   std::error_code unknown;
   const fs::path written = scratch.path() / "page.png";
   std::vector<std::string> arguments = {"--headless",
@@ -52,7 +56,7 @@ Status WriteScreen(const fs::path& page, const fs::path& picture) {
                                         "--disable-background-networking",
                                         "--hide-scrollbars",
                                         "--virtual-time-budget=5000",
-                                        "--window-size=1300,1500",
+                                        "--window-size=1300,1750",
                                         "--user-data-dir=" + (scratch.path() / "profile").string(),
                                         "--screenshot=" + written.string(),
                                         "file://" + shown.string()};

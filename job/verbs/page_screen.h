@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "core/base/error.h"
 
@@ -9,6 +10,7 @@ namespace mocurate {
 /// A picture (PNG, 1300 pixels wide) of an HTML page as Chromium shows it. The browser is $MOCURATE_BROWSER, else
 /// chromium, chromium-browser or google-chrome of the PATH. Errors kMissingOnHost without one, kInternal where it
 /// writes no picture.
-Status WriteScreen(const std::filesystem::path& page, const std::filesystem::path& picture);
+/// `corner` is written below the page.
+Status WriteScreen(const std::filesystem::path& page, const std::string& corner, const std::filesystem::path& picture);
 
 }  // namespace mocurate

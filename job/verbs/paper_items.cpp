@@ -120,20 +120,21 @@ nlohmann::json DescribePaperItem(const std::string& id, const JobOptions& option
       at_hand.push_back(released.name);
     }
   }
-  for (const NetworkOptions& network : options.train.networks) {
-    if (!network.enabled || !network.NeedsBody()) continue;
-    const std::filesystem::path body = FindBody();
-    const bool published = body.filename().string().rfind("body_cc0", 0) != 0 && !body.empty();
+  bool body = std::any_of(item.surveys.begin(), item.surveys.end(),
+                          [](const PaperSurveyOptions& survey) { return !survey.skeleton.empty(); });
+  for (const NetworkOptions& network : options.train.networks) body = body || (network.enabled && network.NeedsBody());
+  if (body) {
+    const std::filesystem::path file = FindBody();
+    const bool published = file.filename().string().rfind("body_cc0", 0) != 0 && !file.empty();
     if (published) {
       at_hand.push_back("SMPL's neutral body");
     } else {
       missing.push_back(
           {{"name", "SMPL's neutral body"},
            {"how", "SMPL_NEUTRAL.pkl below the folder MOCURATE_WEIGHTS; " +
-                       (body.empty() ? std::string("body_cc0.h5 there or below MOCURATE_DATA is used instead")
-                                     : DisplayPath(body.filename()) + " is used instead")}});
+                       (file.empty() ? std::string("body_cc0.h5 there or below MOCURATE_DATA is used instead")
+                                     : DisplayPath(file.filename()) + " is used instead")}});
     }
-    break;
   }
   return {{"id", id},
           {"kind", OptionsToJson(item).at("kind")},

@@ -9,6 +9,7 @@
 #include "core/base/json_text.h"
 #include "core/base/log.h"
 #include "core/base/text.h"
+#include "core/store/dataset_clips.h"
 #include "core/store/store.h"
 #include "job/run_folder.h"
 #include "job/verbs/generate.h"
@@ -178,6 +179,17 @@ class PictureMaker {
     return *file;
   }
 
+  /// Labels of which a dataset has no clip, though it has the class; each is lost.
+  Expected<std::set<std::string>> LabelsWithout(const std::string& what, const std::vector<std::string>& labels,
+                                                const fs::path& dataset) {
+    const auto set = DatasetClips::Open(dataset, DatasetClips::Check::kNone);
+    if (!set) return Forward(set);
+    std::set<std::string> without(labels.begin(), labels.end());
+    for (std::size_t row = 0; row < set->size(); ++row) without.erase(set->Label(row));
+    for (const std::string& label : without) Lose(what + ", label '" + label + "'", "the set has no motion of it");
+    return without;
+  }
+
   /// The motions of a row.
   Expected<fs::path> MotionsOf(const DrawnMotionsOptions& picture, const DrawnRow& row, const fs::path& folder) {
     const fs::path dataset = folder / "dataset.h5";
@@ -266,10 +278,18 @@ class PictureMaker {
     return JoinTexts(texts);
   }
 
-  Status Draw(const DrawnMotionsOptions& picture) {
+  Status Draw(const DrawnMotionsOptions& whole) {
+    DrawnMotionsOptions picture = whole;
     const DataSetOptions& set = SetOf(picture.set);
     const auto folder = FolderOf(set);
     if (!folder) return Forward(folder);
+    const auto without = LabelsWithout("picture '" + picture.name + "'", picture.labels, *folder / "dataset.h5");
+    if (!without) return Forward(without);
+    for (const std::string& label : *without) {
+      picture.absent[label] = "the set has no motion of it";
+      picture.labels.erase(std::find(picture.labels.begin(), picture.labels.end(), label));
+    }
+    if (picture.labels.empty() && !whole.labels.empty()) return {};
     MotionPictureOptions shown;
     shown.title = options_.reproduce.shows;
     shown.corner = CornerOf({&set});
@@ -329,6 +349,11 @@ class PictureMaker {
       const fs::path file = folder / (name + "." + format);
       if (Status copied = CopyWhole(drawn->artifact, file); !copied) return copied;
       made_.files.push_back(file);
+      for (const nlohmann::json& row : drawn->summary.at("shown")) {
+        const std::string why = row.at("absent"), source = row.at("source");
+        if (why.empty() || options.at("absent").contains(source) || format != std::string("svg")) continue;
+        Lose("picture '" + name + "', row '" + source + "' of " + row.at("label").get<std::string>(), why);
+      }
       const nlohmann::json json = {
           {"title", options.at("title")}, {"corner", options.at("corner")}, {"rows", drawn->summary.at("shown")}};
       if (Status written = WriteFile(folder / (name + ".json"), json.dump(1) + "\n"); !written) return written;
@@ -462,14 +487,8 @@ class PictureMaker {
     if (!row) return Fail(ErrorCode::kTooManyFailures, "its network is not trained", name);
     GenerateArguments asked;
     asked.checkpoint = row->checkpoint;
-    std::vector<std::string> labels = survey.labels;
-    if (labels.empty() && !row->real) {
-      const auto checkpoint = ReadCheckpoint(asked.checkpoint);
-      if (!checkpoint) return Forward(checkpoint);
-      labels = checkpoint->labels;
-    }
-    const auto file =
-        row->real ? SomeOf(folder / "dataset.h5", survey) : Generated(survey.kind, name, asked, labels, survey.samples);
+    const auto file = row->real ? SomeOf(folder / "dataset.h5", survey)
+                                : Generated(survey.kind, name, asked, survey.labels, survey.samples);
     if (!file || survey.skeleton.empty()) return file;
     FitArguments fit;
     fit.path = *file;
@@ -486,9 +505,19 @@ class PictureMaker {
   }
 
   /// Makes the page of questions, and the figure, which is marked as without answers.
-  Status MakeSurvey(const PaperSurveyOptions& survey) {
+  Status MakeSurvey(PaperSurveyOptions survey) {
     const auto folder = FolderOf(options_.data.front());
     if (!folder) return Forward(folder);
+    if (survey.labels.empty()) {
+      const auto set = DatasetClips::Open(*folder / "dataset.h5", DatasetClips::Check::kNone);
+      if (!set) return Forward(set);
+      survey.labels = set->labels();
+    }
+    const auto without = LabelsWithout("survey '" + survey.kind + "'", survey.labels, *folder / "dataset.h5");
+    if (!without) return Forward(without);
+    for (const std::string& label : *without) {
+      survey.labels.erase(std::find(survey.labels.begin(), survey.labels.end(), label));
+    }
     SurveyMakeArguments asked;
     asked.kind = survey.kind;
     for (const std::string& name : survey.rows) {
@@ -516,7 +545,7 @@ class PictureMaker {
     if (!options_.reproduce.screens) return {};
     const fs::path picture = run_.folder / "pictures" / (survey.kind + "_page.png");
     if (Status made = MakeFolder(picture.parent_path()); !made) return made;
-    const Status taken = WriteScreen(page, picture);
+    const Status taken = WriteScreen(page, tally.corner, picture);
     if (taken) made_.files.push_back(picture);
     return Finished("picture '" + survey.kind + "_page'", taken);
   }

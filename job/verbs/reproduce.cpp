@@ -14,6 +14,7 @@
 #include "core/base/units.h"
 #include "core/store/store.h"
 #include "eval/tables/comparison.h"
+#include "job/config_loading.h"
 #include "job/machine.h"
 #include "job/named_configs.h"
 #include "job/network_scores.h"
@@ -209,6 +210,11 @@ class Reproduction {
 
   /// Checks paths before anything changes.
   Status CheckData() const {
+    for (const PaperSurveyOptions& survey : item().surveys) {
+      if (survey.skeleton.empty() || !FindBody().empty()) continue;
+      return Fail(ErrorCode::kMissingOnHost, "the study shows skinned bodies, and no body is found", arguments_.id,
+                  "put SMPL_NEUTRAL.pkl or body_cc0.h5 below the folder MOCURATE_WEIGHTS");
+    }
     for (const DataSetOptions& set : job_.options.data) {
       std::error_code unknown;
       if (set.path.empty() || fs::exists(set.path, unknown)) continue;

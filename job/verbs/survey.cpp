@@ -75,7 +75,8 @@ Expected<fs::path> BodyOfSurvey(const SurveyMakeArguments& arguments) {
   if (arguments.figure == "bones" || (by_kind && arguments.kind == Name(SurveyKind::kRanking))) return fs::path();
   const fs::path body = arguments.body.empty() ? FindBody() : arguments.body;
   if (body.empty()) {
-    return Fail(ErrorCode::kMissingOnHost, "no body is given, and none is below MOCURATE_WEIGHTS", "--body",
+    return Fail(ErrorCode::kMissingOnHost, "no body is given, and none is below MOCURATE_WEIGHTS or MOCURATE_DATA",
+                "--body",
                 "put SMPL_NEUTRAL.pkl or body_cc0.h5 there, or give it with --body; --figure bones needs none");
   }
   if (std::error_code unknown; !fs::exists(body, unknown)) {

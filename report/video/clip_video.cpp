@@ -131,7 +131,7 @@ Expected<int> WriteClipVideo(const DrawnClip& clip, const std::filesystem::path&
   const int step = StepOf(motion, most_pictures);
   std::vector<int> shown;
   for (int f = 0; f < frames; f += step) shown.push_back(f);
-  Panels panels{FrontPainter(clip.fitted, evidence, shown, kHeight), {}, {}};
+  Panels panels{FrontPainter(clip.fitted, evidence, kHeight), {}, {}};
   for (const int view : ChosenViews(evidence, kMostViews)) {
     auto painter = ViewPainter::Make(clip.fitted, evidence, view, shown, kHeight, true);
     if (!painter) return Forward(painter);
@@ -180,7 +180,7 @@ Expected<StageOutcome> MotionVideoStage(const StageRequest& request) {
   const auto pictures = WriteVideo(request.item, rate, count, draw, request.output);
   if (!pictures) return Forward(pictures);
   StageOutcome outcome;
-  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}, {"without", SourcesWithout(request, *rows)}};
+  outcome.summary = {{"rows", rows->size()}, {"pictures", *pictures}, {"shown", DescribeRows(*rows, *options)}};
   return outcome;
 }
 
