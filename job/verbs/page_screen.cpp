@@ -44,7 +44,7 @@ Status WriteScreen(const fs::path& page, const std::string& corner, const fs::pa
   const fs::path shown = scratch.path() / "index.html";  // a URL may not have all characters of a path
   auto html = ReadFile(page);
   if (!html) return Forward(html);
-  *html += "<p style=\"text-align: right; margin: 0 24px\">" + EscapeHtml(corner) + "</p>\n";
+  *html += "<p style=\"text-align: right; margin: 0 24px; max-width: none\">" + EscapeHtml(corner) + "</p>\n";
   if (Status written = WriteFile(shown, *html); !written) return written;
   std::error_code unknown;
   const fs::path written = scratch.path() / "page.png";
@@ -56,7 +56,7 @@ Status WriteScreen(const fs::path& page, const std::string& corner, const fs::pa
                                         "--disable-background-networking",
                                         "--hide-scrollbars",
                                         "--virtual-time-budget=5000",
-                                        "--window-size=1300,1750",
+                                        "--window-size=1300,1620",
                                         "--user-data-dir=" + (scratch.path() / "profile").string(),
                                         "--screenshot=" + written.string(),
                                         "file://" + shown.string()};

@@ -482,7 +482,7 @@ TEST(TrainingRun, NetworksOfMultiActAreRowsOfTransitionsAndAnswerScripts) {
   ASSERT_EQ(run_of_steps.exit_code, 0) << run_of_steps.err;
   const nlohmann::json chains = nlohmann::json::parse(ReadText(folder / "steps/tables/table.json"));
   std::map<std::string, int> rows;
-  for (const nlohmann::json& row : chains["rows"]) ++rows[row.at("name")];
+  for (const nlohmann::json& row : chains["rows"]) ++rows[row.at("method")];
   EXPECT_EQ(rows["Ours, step 1"], 1) << "the first action is ACTOR's, and no transition precedes it";
   EXPECT_EQ(rows["Ours, step 2"], 2);
 }
