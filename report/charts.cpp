@@ -61,7 +61,11 @@ struct AxisRange {
 class PlotPainter {
  public:
   PlotPainter(const Plot& plot, double left, double top, Drawing& drawing)
-      : plot_(plot), left_(left + kLeft), top_(top + kTop), drawing_(drawing) {
+      : plot_(plot),
+        head_(plot.title.empty() ? kTop - 16.0 : kTop),
+        left_(left + kLeft),
+        top_(top + head_),
+        drawing_(drawing) {
     for (const PlotCurve& curve : plot.curves) {
       AxisRange& y = curve.right ? right_ : y_;
       two_sided_ |= curve.right;
@@ -91,7 +95,7 @@ class PlotPainter {
       }
     }
     const double legend = top_ - kTop + kPlotHeight;
-    return DrawLegend(names, left_, legend, width_ + kRight, drawing_) + 8.0 - (top_ - kTop);
+    return DrawLegend(names, left_, legend, width_ + kRight, drawing_) + 8.0 - (top_ - head_);
   }
 
  private:
@@ -172,6 +176,7 @@ class PlotPainter {
   }
 
   const Plot& plot_;
+  const double head_;  ///< above the axes
   double left_, top_, width_ = 0.0;
   bool two_sided_ = false;
   AxisRange x_, y_, right_;
@@ -261,7 +266,8 @@ std::string PlotHtml(const Plot& plot) {
 Drawing PlotSheet::Draw() const {
   const auto across = static_cast<std::size_t>(std::clamp(static_cast<int>(plots.size()), 1, std::max(1, columns)));
   Drawing drawing{kPlotWidth * static_cast<double>(across), 0.0, title};
-  double top = drawing.Block(8.0, 6.0, drawing.width - 16.0, title, 14.0, TextAnchor::kStart, kInkColour, true);
+  const double begin = title.empty() ? 0.0 : 6.0;
+  double top = drawing.Block(8.0, begin, drawing.width - 16.0, title, 14.0, TextAnchor::kStart, kInkColour, true);
   for (std::size_t first = 0; first < plots.size(); first += across) {
     double height = 0.0;
     for (std::size_t i = first; i < std::min(plots.size(), first + across); ++i) {

@@ -204,8 +204,9 @@ Vector3d SpanOf(const Motion& motion) {
 
 class RowsDrawing {
  public:
-  RowsDrawing(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, double names = kNames)
-      : rows_(rows), options_(options), names_(names) {
+  /// `strip`: large figures without names.
+  RowsDrawing(const std::vector<MotionRow>& rows, const MotionPictureOptions& options, bool strip = false)
+      : rows_(rows), options_(options), names_(strip ? 0.0 : kNames) {
     double tallest = 0.5, widest = 0.3;
     Viewpoint world;  // of the first motion
     for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
@@ -230,8 +231,8 @@ class RowsDrawing {
         path_span_ = std::max(path_span_, SpanOf(*row.clips.front().motion).maxCoeff());
       seen_.push_back(std::move(seen));
     }
-    scale_ = kFigure / tallest;
-    cell_ = std::clamp(widest * scale_ * 0.8, kLeastCell, kMostCell);
+    scale_ = (strip ? 1.5 : 1.0) * kFigure / tallest;
+    cell_ = std::clamp(widest * scale_ * (strip ? 1.1 : 0.8), kLeastCell, kMostCell);
     column_width_ = names_ + cell_ * static_cast<double>(options.stills) + (options.path ? kPath : 0.0) + 2.0 * kSpace;
   }
 
@@ -583,7 +584,7 @@ Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks, bool bones, F
   row.tracks = tracks;
   row.bones = bones;
   const std::vector<MotionRow> rows = {row};
-  Drawing drawing = RowsDrawing(rows, options, 0.0).Draw();
+  Drawing drawing = RowsDrawing(rows, options, true).Draw();
   drawing.title = "Figures of " + clip.id() + ", stills from " + Counted(clip.motion->frame_count(), "frame");
   return drawing;
 }
