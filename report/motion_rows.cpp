@@ -291,7 +291,7 @@ class RowsDrawing {
         }
       }
     }
-    std::string legend = themes     ? "Green: theme, blue: its labels, orange: the label of each frame. "
+    std::string legend = themes ? "Green: theme, blue: its labels, orange: the label of each frame, grey: transition. "
                          : previous ? "Green: previous motion, blue: transition, red: action. "
                          : parts    ? "Blue: transition, red: action. "
                                     : "";
@@ -517,8 +517,15 @@ nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPict
     nlohmann::json clips = nlohmann::json::array(), segments = nlohmann::json::array();
     for (const Clip& clip : row.clips) {
       const Vector3d span = SpanOf(*clip.motion);
-      clips.push_back(
-          {{"id", clip.id()}, {"label", WordOf(clip.label, options)}, {"path_m", {span.x(), span.y(), span.z()}}});
+      double bones = 0.0;
+      for (int j = 1; j < clip.motion->joint_count(); ++j) {
+        const int parent = clip.motion->skeleton->joints[static_cast<std::size_t>(j)].parent;
+        bones += (clip.motion->joints.at(0, j) - clip.motion->joints.at(0, parent)).norm();
+      }
+      clips.push_back({{"id", clip.id()},
+                       {"label", WordOf(clip.label, options)},
+                       {"bones_m", bones},
+                       {"path_m", {span.x(), span.y(), span.z()}}});
       for (const Segment& segment : clip.segments) {
         segments.push_back({{"label", WordOf(segment.label, options)},
                             {"origin", segment.origin},

@@ -50,8 +50,10 @@ Expected<std::vector<MotionRow>> ReadRows(const StageRequest& request, const Mot
 /// shadow on the floor. With `world` all rows stand over their floor; with `scene` each label is one panel.
 Drawing DrawMotionRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
 
-/// What DrawMotionRows shows: [{"source", "label", "theme", "clips", "frames": of each clip, "segments": [{"label",
-/// "begin_s", "end_s"}], "column", "colour", "path_m": extent of the root's path along x, y, z, "absent"}].
+/// What DrawMotionRows shows: [{"source", "label", "theme", "column", "colour", "absent", "frames": of each clip,
+/// "clips":
+/// [{"id", "label", "bones_m": sum of the bones, "path_m": extent of the root's path along x, y, z}], "segments":
+/// [{"label", "origin", "begin_s", "end_s"}]}].
 nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPictureOptions& options);
 
 /// All rows at one moment, side by side; a motion that has ended stays at its last frame.

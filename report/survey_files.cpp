@@ -28,7 +28,7 @@ std::string ShownValue(const Json& value) {
 
 /// An object of JSON. A repeated key in an object is also an error, because only one of its values would count.
 Expected<Json> ParseObject(std::string_view bytes, const std::string& name, const char* hint) {
-  const Expected<Json> json = ParseJson(bytes, name);
+  Expected<Json> json = ParseJson(bytes, name);
   if (!json) return Forward(json);
   if (const auto twice = RepeatedKey(bytes)) {
     return Fail(ErrorCode::kMalformed, "the key " + ShownValue(*twice) + " is repeated", name, hint);
@@ -131,10 +131,16 @@ Json KeyToJson(const SurveyKey& key) {
 Expected<SurveyKey> ReadSurveyKey(std::string_view bytes, const std::string& name) {
   const Expected<Json> json = ParseObject(bytes, name, kMakeAgain);
   if (!json) return Forward(json);
+  if (json->contains("participant")) {
+    return Fail(ErrorCode::kMalformed, "the file has answers, not the key of a survey", name, kMakeAgain);
+  }
   const Json kind = json->value("kind", Json());
   if (kind != Name(SurveyKind::kRanking) && kind != Name(SurveyKind::kRealOrFake)) {
-    return Fail(ErrorCode::kMalformed, "kind " + ShownValue(kind) + ", there are \"ranking\" and \"real_or_fake\"",
-                name + ": /kind", "make the survey again with `mocurate survey make`");
+    return Fail(ErrorCode::kMalformed,
+                "kind " + ShownValue(kind) +
+                    "; known are \"ranking\", which replaced \"preference\", and "
+                    "\"real_or_fake\"",
+                name + ": /kind", kMakeAgain);
   }
   Expected<SurveyKey> key = GuardJson(name, [&] { return KeyOfJson(*json); });
   if (!key) return key;

@@ -24,7 +24,7 @@ fs::path FindBrowser() {
   const char* path = std::getenv("PATH");
   for (const std::string_view folder : SplitText(path != nullptr ? path : "", ':')) {
     for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
-      const fs::path file = fs::path(folder) / name;
+      fs::path file = fs::path(folder) / name;
       if (!folder.empty() && access(file.c_str(), X_OK) == 0) return file;
     }
   }

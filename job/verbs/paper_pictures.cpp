@@ -487,8 +487,8 @@ class PictureMaker {
     if (!row) return Fail(ErrorCode::kTooManyFailures, "its network is not trained", name);
     GenerateArguments asked;
     asked.checkpoint = row->checkpoint;
-    const auto file = row->real ? SomeOf(folder / "dataset.h5", survey)
-                                : Generated(survey.kind, name, asked, survey.labels, survey.samples);
+    auto file = row->real ? SomeOf(folder / "dataset.h5", survey)
+                          : Generated(survey.kind, name, asked, survey.labels, survey.samples);
     if (!file || survey.skeleton.empty()) return file;
     FitArguments fit;
     fit.path = *file;

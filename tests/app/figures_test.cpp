@@ -167,6 +167,12 @@ TEST(Figures, PicturesShowOneMotionOnFiveSkeletonsAndTheStepsOfTraining) {
     EXPECT_EQ(row["label"], "lift_dumbbell");
     EXPECT_EQ(row["frames"], nlohmann::json({{0, 9, 19, 29, 39, 49, 59}})) << "1, 10, 20 to 60, counted from 1";
   }
+  const auto bones = [&](int row) { return skeletons["rows"][row]["clips"][0]["bones_m"].get<double>(); };
+  EXPECT_NEAR(bones(4) / bones(1), 1.25, 1e-3) << "all bones";
+  for (const int row : {2, 3}) {
+    EXPECT_GT(bones(row), 1.02 * bones(1)) << "legs or arms alone";
+    EXPECT_LT(bones(row), 1.2 * bones(1));
+  }
   const nlohmann::json training = Drawn(folder, "a2m/figure8", "training");
   EXPECT_THAT(SourcesOf(training), ElementsAre("Ours w/o Lie, 1 iteration", "Ours w/o Lie, 2 iterations",
                                                "Ours, 1 iteration", "Ours, 2 iterations"));
