@@ -439,10 +439,12 @@ class PictureMaker {
       AddCurves(asked, asked.metric, plot);
       if (!asked.right.empty()) AddCurves(asked, asked.right, plot);
       for (const auto& [row, name] : asked.curves) {
-        if (PointsOf(asked.metric)[row].size() > 1) continue;
-        Lose("plot '" + asked.title + "', curve '" + (name.empty() ? row : name) + "'",
-             "the tables have less than two values of " + asked.metric);
-        sheet.note += (sheet.note.empty() ? "Without values: " : ", ") + (name.empty() ? row : name);
+        for (const std::string* metric : {&asked.metric, &asked.right}) {
+          if (metric->empty() || PointsOf(*metric)[row].size() > 1) continue;
+          const std::string curve = (name.empty() ? row : name) + ", " + MetricOf(*metric);
+          Lose("plot '" + asked.title + "', curve '" + curve + "'", "the tables have less than two values of it");
+          sheet.note += (sheet.note.empty() ? "Without values: " : "; ") + curve;
+        }
       }
       sheet.plots.push_back(std::move(plot));
     }
@@ -500,7 +502,7 @@ class PictureMaker {
     std::error_code unknown;
     fs::remove(*fitted, unknown);
     const Status done = FitVerb(own_, fit);
-    if (!fs::exists(*fitted, unknown)) return Forward(done);
+    if (!done && (Ends(done.error()) || !fs::exists(*fitted, unknown))) return Forward(done);
     return *fitted;  // suspect fits are shown too
   }
 
@@ -517,6 +519,9 @@ class PictureMaker {
     if (!without) return Forward(without);
     for (const std::string& label : *without) {
       survey.labels.erase(std::find(survey.labels.begin(), survey.labels.end(), label));
+    }
+    if (survey.labels.empty()) {  // which would ask about all labels
+      return Fail(ErrorCode::kInconsistent, "the set has no motion of any label of the study", DisplayPath(*folder));
     }
     SurveyMakeArguments asked;
     asked.kind = survey.kind;
