@@ -92,15 +92,14 @@ std::string AnnotateHeaderHtml(const AnnotatePageInput& input) {
                        " poses a second or more, times and the speed curve have every frame",
                    "lead") +
          Paragraph(
-             "Drag on a timeline to mark a span, drag an edge to move it. Keys: <kbd>space</kbd> play and pause; "
-             "<kbd>←</kbd> <kbd>→</kbd> a frame, with shift ten, <kbd>Home</kbd> <kbd>End</kbd>; <kbd>[</kbd> and "
-             "<kbd>]</kbd> (or <kbd>b</kbd> and <kbd>e</kbd>) begin and end of a new span at the frame that the player "
-             "shows, <kbd>{</kbd> and <kbd>}</kbd> (or <kbd>B</kbd> and <kbd>E</kbd>) of the selected span; a "
-             "digit or <kbd>l</kbd> and its name choose the label; <kbd>a</kbd> accepts a proposed span; <kbd>,</kbd> "
-             "and <kbd>.</kbd> previous and next span; <kbd>Delete</kbd> removes it, <kbd>Esc</kbd> deselects it; "
-             "<kbd>ctrl-z</kbd> or <kbd>u</kbd> undo, <kbd>ctrl-y</kbd> redo; <kbd>+</kbd> and <kbd>-</kbd> zoom; "
-             "<kbd>x</kbd> speed; <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>d</kbd> done, "
-             "<kbd>f</kbd> hide clips that are done; <kbd>s</kbd> save.",
+             R"html(Drag on a timeline to mark a span, drag an edge to move it. Keys: <kbd>space</kbd> play and pause; <kbd>←</kbd>
+<kbd>→</kbd> a frame, with shift ten, <kbd>Home</kbd> <kbd>End</kbd>; <kbd>[</kbd> and <kbd>]</kbd> (or
+<kbd>b</kbd> and <kbd>e</kbd>) begin and end of a new span at the frame that the player shows, <kbd>{</kbd> and
+<kbd>}</kbd> (or <kbd>B</kbd> and <kbd>E</kbd>) of the selected span; a digit or <kbd>l</kbd> and its name
+choose the label; <kbd>a</kbd> accepts a proposed span; <kbd>,</kbd> and <kbd>.</kbd> previous and next span;
+<kbd>Delete</kbd> removes it, <kbd>Esc</kbd> deselects it; <kbd>ctrl-z</kbd> or <kbd>u</kbd> undo,
+<kbd>ctrl-y</kbd> redo; <kbd>+</kbd> and <kbd>-</kbd> zoom; <kbd>x</kbd> speed; <kbd>j</kbd> and <kbd>p</kbd>
+next and previous clip; <kbd>d</kbd> done, <kbd>f</kbd> hide clips that are done; <kbd>s</kbd> save.)html",
              "soft") +
          "</header>\n<div class=\"bar\"><div><progress id=\"progress\" max=\"" +
          std::to_string(std::max<std::size_t>(1, input.cards.size())) +
@@ -134,10 +133,9 @@ std::string MakeAnnotatePage(const AnnotatePageInput& input) {
          "<section><h2>Spans</h2>\n<details id=\"text\"><summary>spans.csv as text</summary>\n<textarea id=\"csv\" "
          "readonly rows=\"16\" aria-label=\"Spans as CSV\"></textarea></details>\n" +
          Paragraph(
-             "Seconds count from the first frame of the recording. <code>canon.trim: {rule: annotated, spans: "
-             "spans.csv}</code> in a config cuts recordings by this file; <code>mocurate review DATASET --annotate "
-             "--spans "
-             "spans.csv</code> continues from it. The browser keeps the marked spans, also after saving.",
+             R"html(Seconds count from the first frame of the recording. <code>canon.trim: {rule: annotated, spans:
+spans.csv}</code> in a config cuts recordings by this file; <code>mocurate review DATASET --annotate --spans
+spans.csv</code> continues from it. The browser keeps the marked spans, also after saving.)html",
              "soft") +
          "<p><button type=\"button\" id=\"forget\">Delete the spans marked here</button> <button type=\"button\" "
          "id=\"sure\" hidden>Yes, start again</button></p>\n</section>\n</main>\n<footer>\n" +

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.h"
+#include "report/html.h"
 
 namespace mocurate {
 namespace {
@@ -247,8 +248,7 @@ Drawing BarChart::Draw() const {
   std::vector<std::pair<std::string, Colour>> names;
   for (const BarPart& part : legend) names.emplace_back(part.name, part.colour);
   y = DrawLegend(names, left, y, kBar, drawing);
-  y = drawing.Block(8.0, y + 4.0, drawing.width - 16.0, note, kText);
-  drawing.height = drawing.Block(drawing.width - 8.0, y, drawing.width - 16.0, corner, kText, TextAnchor::kEnd) + 4.0;
+  drawing.Finish(y + 4.0, note, corner);
   return drawing;
 }
 
@@ -257,17 +257,16 @@ std::string PlotHtml(const Plot& plot) {
     return std::any_of(curve.points.begin(), curve.points.end(), [](const PlotPoint& p) { return std::isfinite(p.y); });
   });
   PlotSheet sheet{"", "", "", {plot}};
-  sheet.plots.front().title.clear();
+  sheet.plots.front().title.clear();  // the caption has it
   Drawing drawing = sheet.Draw();
   drawing.title = plot.title;
-  return finite ? ToInlineSvg(drawing) : "";
+  return finite ? Figure(EscapeHtml(plot.title), ToInlineSvg(drawing)) : "";
 }
 
 Drawing PlotSheet::Draw() const {
   const auto across = static_cast<std::size_t>(std::clamp(static_cast<int>(plots.size()), 1, std::max(1, columns)));
   Drawing drawing{kPlotWidth * static_cast<double>(across), 0.0, title};
-  const double begin = title.empty() ? 0.0 : 6.0;
-  double top = drawing.Block(8.0, begin, drawing.width - 16.0, title, 14.0, TextAnchor::kStart, kInkColour, true);
+  double top = drawing.Head();
   for (std::size_t first = 0; first < plots.size(); first += across) {
     double height = 0.0;
     for (std::size_t i = first; i < std::min(plots.size(), first + across); ++i) {
@@ -276,9 +275,7 @@ Drawing PlotSheet::Draw() const {
     }
     top += height + 4.0;
   }
-  top = drawing.Block(8.0, top, drawing.width - 16.0, note, kText);
-  top = drawing.Block(drawing.width - 8.0, top, drawing.width - 16.0, corner, kText, TextAnchor::kEnd);
-  drawing.height = top + 8.0;
+  drawing.Finish(top, note, corner);
   return drawing;
 }
 

@@ -71,7 +71,7 @@ struct PlotSheet {
   nlohmann::json Json() const;
 };
 
-/// A plot in a page, without its title; empty without a finite number.
+/// A plot in a page, its title as caption; empty without a finite number.
 std::string PlotHtml(const Plot& plot);
 
 /// A plot a damage from eval's dose_response.json: each metric over the doses, as a multiple of its value on undamaged

@@ -151,13 +151,7 @@ std::string SeenHtml(const ClipPageInput& input) {
     html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip), false)));
   }
   html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.fitted)));
-  return html +
-         "<div class=\"player alone\" role=\"group\" aria-label=\"Player\">\n<canvas tabindex=\"0\" role=\"img\" "
-         "aria-label=\"The clip in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\">"
-         "<button type=\"button\">Play</button><input type=\"range\" min=\"0\" value=\"0\" step=\"1\" "
-         "aria-label=\"Frame\"><output>0.00 s</output><label" +
-         std::string(points ? "" : " hidden") +
-         " for=\"seen\"><input type=\"checkbox\" id=\"seen\" checked> evidence</label></div>\n</div>\n" +
+  return html + "<div class=\"alone\">\n" + PlayerHtml(clip.item, "clip", points) + "</div>\n" +
          Paragraph(
              "<span class=\"k-before\"></span>evidence<span class=\"k-left\"></span>left side and trunk of the "
              "fit<span class=\"k-right\"></span>right side",
@@ -177,17 +171,17 @@ std::string TimeHtml(const ClipSeries& series) {
     } else {
       chart.curves.push_back({"each frame", Over(series.time_s, series.residual), 0});
     }
-    charts += Figure(EscapeHtml(series.residual_name), PlotHtml(chart));
+    charts += PlotHtml(chart);
   }
   if (!Finite(series.keypoint_residual).empty()) {
     Plot chart{series.keypoint_residual_name, "s", "", {}};
     chart.curves.push_back({"each frame", Over(series.time_s, series.keypoint_residual), 0});
-    charts += Figure(EscapeHtml(series.keypoint_residual_name), PlotHtml(chart));
+    charts += PlotHtml(chart);
   }
   Plot jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
   if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
   if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
-  charts += Figure("Jerk, m/s³", PlotHtml(jerk));
+  charts += PlotHtml(jerk);
   if (charts.empty()) return Paragraph("The clip is too short for curves over time.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
          Paragraph("Compare both: over-smoothed motion has low jerk and a large residual.", "soft");
@@ -208,11 +202,11 @@ std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
     const BoneSeries& bone = *sorted[i];
     const std::string name =
         skeleton.joints[skeleton.joints[bone.joint].parent].name + " to " + skeleton.joints[bone.joint].name;
-    const Plot chart{name,
+    const Plot chart{name + ", mm",
                      "s",
                      "mm",
                      {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
-    charts += Figure(EscapeHtml(name) + ", mm", PlotHtml(chart));
+    charts += PlotHtml(chart);
   }
   HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}};
   for (const BoneSeries* bone : sorted) {
@@ -295,10 +289,7 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                           motion.rotation_sigma.empty() ? "–" : FixedText(turn, 1),
                           motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
   }
-  const std::string drawn =
-      frames > 1 ? "<div class=\"charts wide\">" +
-                       Figure("Estimated standard deviation of a joint position, mm", PlotHtml(chart)) + "</div>\n"
-                 : "";
+  const std::string drawn = frames > 1 ? "<div class=\"charts wide\">" + PlotHtml(chart) + "</div>\n" : "";
   return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
          Paragraph(
              "An unobservable axis, such as the twist of a straight limb, keeps the prior's standard deviation "
@@ -328,11 +319,7 @@ std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
     html += "<h3>Frame " + std::to_string(frames[i]) + (i == 0 ? ", the middle" : ", the worst fit") +
             "</h3>\n<div class=\"overlays\">\n";
     for (const int view : chosen) {
-      const std::string name = EscapeHtml(ViewCamera(evidence, view).name);
-      const auto png = BodyOverlayPng(input.clip.fitted, evidence, view, frames[i]);
-      html += png ? "<figure><img alt=\"Fitted body over view " + name + "\" src=\"data:image/png;base64," +
-                        Base64(*png) + "\"><figcaption>" + name + "</figcaption></figure>\n"
-                  : Paragraph("Not drawn over view " + name + ": " + EscapeHtml(png.error().Message()), "soft");
+      html += OverlayHtml(input.clip.fitted, evidence, view, frames[i]);
     }
     html += "</div>\n";
   }

@@ -19,11 +19,7 @@ class TracksOfJoints {
   TracksOfJoints(const JointTracks& tracks, const Skeleton& skeleton)
       : tracks_(tracks), point_(MatchTracks(tracks.names, skeleton).point_of_joint) {}
 
-  bool seen(int frame, int joint) const {
-    if (frame < 0 || frame >= tracks_.positions.frames || point_[joint] < 0) return false;
-    const std::size_t index = static_cast<std::size_t>(frame) * tracks_.positions.joints + point_[joint];
-    return tracks_.confidence[index] > 0.0;
-  }
+  bool seen(int frame, int joint) const { return point_[joint] >= 0 && Observes(tracks_, frame, point_[joint]); }
   Vector3d at(int frame, int joint) const { return tracks_.positions.at(frame, point_[joint]); }
 
  private:
@@ -57,18 +53,9 @@ double CloudResidual(const Clip& fitted, const Evidence& evidence, int frame) {
   std::vector<double> distances;
   for (const int v : ChosenViews(evidence, std::min<int>(8, static_cast<int>(evidence.depth_views.size())))) {
     if (v >= static_cast<int>(evidence.depth_views.size())) continue;
-    const DepthView& view = evidence.depth_views[v];
-    const auto depth = ReadDepth(view, frame);
-    if (!depth) continue;
-    const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);
-    for (int y = 0; y < depth->rows; y += kStep) {
-      for (int x = 0; x < depth->cols; x += kStep) {
-        const double metres = depth->at<std::uint16_t>(y, x) * view.metres_per_unit;
-        if (metres <= 0.0) continue;
-        const Vector3d world = world_from_camera * view.camera.Unproject(Vector2d(x, y), metres);
-        const auto near = ClosestOnBody(body.capsules, body.points.data(), world);
-        if (near && near->on_capsule.distance < kReach) distances.push_back(1e3 * std::abs(near->on_capsule.distance));
-      }
+    const auto points = PointsNear(body, evidence.depth_views[v], frame, kStep, kReach);
+    for (const NearPoint& point : points.value_or(std::vector<NearPoint>())) {
+      distances.push_back(1e3 * std::abs(point.distance));
     }
   }
   return distances.empty() ? kNan : Median(std::move(distances));

@@ -11,6 +11,8 @@
 namespace mocurate {
 namespace {
 
+constexpr double kMargin = 10.0;  // pixels
+
 /// Writes shapes as elements. `inlined`: for the pages, whose style knows the classes of colours.
 struct SvgWriter {
   bool inlined;
@@ -106,6 +108,16 @@ double Drawing::Block(double x, double y, double block_width, const std::string&
   }
   end_line();
   return y;
+}
+
+double Drawing::Head() {
+  return Block(kMargin, title.empty() ? 0.0 : 4.0, width - 2.0 * kMargin, title, 14.0, TextAnchor::kStart, kInkColour,
+               true);
+}
+
+void Drawing::Finish(double y, const std::string& note, const std::string& corner) {
+  const double inner = width - 2.0 * kMargin;
+  height = Block(width - kMargin, Block(kMargin, y, inner, note, 11.0), inner, corner, 11.0, TextAnchor::kEnd) + 8.0;
 }
 
 std::string ToSvg(const Drawing& drawing) {

@@ -68,6 +68,10 @@ struct Drawing {
   /// Lines of whole words, the first one below `y`; returns the base line of the last.
   double Block(double x, double y, double block_width, const std::string& text, double size,
                TextAnchor anchor = TextAnchor::kStart, const Colour& colour = kQuietColour, bool bold = false);
+  /// The title, which may be empty, at the top; returns where it ends.
+  double Head();
+  /// Ends the drawing with a note below `y` and `corner` at the right of it.
+  void Finish(double y, const std::string& note, const std::string& corner);
 };
 
 /// Width of a text, an upper estimate for common sans serif fonts; pixels.

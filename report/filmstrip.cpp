@@ -20,22 +20,13 @@ std::array<int, 3> Millimetres(const Vector3d& point, const Vector3d& origin) {
   return mm;
 }
 
-nlohmann::json JointFrame(const Motion& motion, int frame, const Vector3d& origin) {
+/// Whole millimetres of some points, null instead of those not `seen`.
+template <class Seen>
+nlohmann::json FrameJson(const JointPositions& points, int frame, const Vector3d& origin, Seen&& seen) {
   nlohmann::json row = nlohmann::json::array();
-  for (int j = 0; j < motion.joint_count(); ++j) {
-    for (const int value : Millimetres(motion.joints.at(frame, j), origin)) row.push_back(value);
-  }
-  return row;
-}
-
-nlohmann::json PointFrame(const JointTracks& tracks, int frame, const Vector3d& origin) {
-  nlohmann::json row = nlohmann::json::array();
-  for (int k = 0; k < tracks.positions.joints; ++k) {
-    if (!Observes(tracks, frame, k)) {
-      for (int i = 0; i < 3; ++i) row.push_back(nullptr);
-      continue;
-    }
-    for (const int value : Millimetres(tracks.positions.at(frame, k), origin)) row.push_back(value);
+  for (int j = 0; j < points.joints; ++j) {
+    const std::array<int, 3> mm = Millimetres(seen(j) ? Vector3d(points.at(frame, j)) : origin, origin);
+    for (const int value : mm) row.push_back(seen(j) ? nlohmann::json(value) : nlohmann::json());
   }
   return row;
 }
@@ -144,8 +135,10 @@ nlohmann::json PlayerData(const std::string& name, const Motion& motion, const J
     for (const auto& line : MatchTracks(tracks->names, *motion.skeleton).lines) data["lines"].push_back(line);
   }
   for (int f = 0; f < frames; f += step) {
-    data["joints"].push_back(JointFrame(motion, f, origin));
-    if (tracks != nullptr) data["points"].push_back(PointFrame(*tracks, f, origin));
+    data["joints"].push_back(FrameJson(motion.joints, f, origin, [](int) { return true; }));
+    if (tracks == nullptr) continue;
+    data["points"].push_back(
+        FrameJson(tracks->positions, f, origin, [&](int point) { return Observes(*tracks, f, point); }));
   }
   return data;
 }

@@ -195,12 +195,15 @@ std::vector<std::vector<int>> FramesOf(const MotionRow& row, std::int64_t stills
   return frames;
 }
 
-/// Extent of the root's path, metres.
-Vector3d SpanOf(const Motion& motion) {
+/// Extent of the first `joints` joints in the frames [begin, end), metres; the root is the first.
+Eigen::AlignedBox3d BoxOf(const Motion& motion, int joints, int begin, int end) {
   Eigen::AlignedBox3d box;
-  for (int f = 0; f < motion.frame_count(); ++f) box.extend(motion.joints.at(f, 0));
-  return box.sizes();
+  for (int f = begin; f < end; ++f) {
+    for (int j = 0; j < joints; ++j) box.extend(Vector3d(motion.joints.at(f, j)));
+  }
+  return box;
 }
+Eigen::AlignedBox3d PathOf(const Motion& motion) { return BoxOf(motion, 1, 0, motion.frame_count()); }
 
 class RowsDrawing {
  public:
@@ -228,7 +231,7 @@ class RowsDrawing {
       }
       if (!row.clips.empty()) tallest = std::max(tallest, seen.box.sizes().y());
       if (options.path && row.clips.size() == 1)
-        path_span_ = std::max(path_span_, SpanOf(*row.clips.front().motion).maxCoeff());
+        path_span_ = std::max(path_span_, PathOf(*row.clips.front().motion).sizes().maxCoeff());
       seen_.push_back(std::move(seen));
     }
     scale_ = (strip ? 1.5 : 1.0) * kFigure / tallest;
@@ -243,7 +246,7 @@ class RowsDrawing {
     }
     drawing_ = {column_width_ * static_cast<double>(heads.size()), 0.0, options_.title};
     const double inner = drawing_.width - 2.0 * kSpace;
-    const double top = drawing_.Block(kSpace, 4.0, inner, options_.title, 14.0, TextAnchor::kStart, kInkColour, true);
+    const double top = drawing_.Head();
     double bottom = top;
     for (std::size_t column = 0; column < heads.size(); ++column) {
       left_ = column_width_ * static_cast<double>(column);
@@ -254,9 +257,7 @@ class RowsDrawing {
       }
       bottom = std::max(bottom, y);
     }
-    bottom = drawing_.Block(kSpace, bottom, inner, Legend(), kSmall);
-    bottom = drawing_.Block(drawing_.width - kSpace, bottom, inner, options_.corner, kSmall, TextAnchor::kEnd);
-    drawing_.height = bottom + kSpace;
+    drawing_.Finish(bottom, Legend(), options_.corner);
     return std::move(drawing_);
   }
 
@@ -394,8 +395,7 @@ class RowsDrawing {
   double DrawPath(const Motion& motion, double left, double top) {
     Eye eye{FrontView(motion)};
     eye.view.pitch = 0.55;
-    Eigen::AlignedBox3d box;
-    for (int f = 0; f < motion.frame_count(); ++f) box.extend(motion.joints.at(f, 0));
+    const Eigen::AlignedBox3d box = PathOf(motion);
     const double half = 0.5 * std::max(path_span_, 1e-6), scale = 0.36 * kPath / half / std::sqrt(2.0);
     const double low = box.min().y();
     eye.origin = Vector3d(box.center().x(), low, box.center().z());
@@ -418,7 +418,7 @@ class RowsDrawing {
     drawing_.Line(path, 1.8, kAfterColour);
     drawing_.Dot(path.back(), 5.0, kRightColour);
     double y = top + kPath + 6.0;
-    const Vector3d span = SpanOf(motion);
+    const Vector3d span = box.sizes();
     for (int axis = 0; axis < 3; ++axis) {
       const std::string text = std::string(1, "xyz"[axis]) + " " + FixedText(span[axis], 2) + (axis == 2 ? " m" : "");
       drawing_.Text(left + kSpace + 35.0 * axis, y, text, 8.5, TextAnchor::kStart, kQuietColour);
@@ -451,7 +451,7 @@ void DrawScene(const MotionRow& row, double floor, double left, double top, cons
     const double nearer = frame == frames.back() ? 1e3 : 0.0;  // the last frame is over the others
     for (SeenFigure::Part& part : figure.parts) part.depth += nearer;
     all.parts.insert(all.parts.end(), figure.parts.begin(), figure.parts.end());
-    for (int j = 0; j < motion.joint_count(); ++j) ground.extend(Vector3d(motion.joints.at(frame, j)));
+    ground.extend(BoxOf(motion, motion.joint_count(), frame, frame + 1));
   }
   const auto line = [&](double x, double z, double to_x, double to_z, const Colour& colour, double depth) {
     const Vector2d from = eye.See({x, floor, z}).head<2>(), to = eye.See({to_x, floor, to_z}).head<2>();
@@ -475,8 +475,7 @@ void DrawScene(const MotionRow& row, double floor, double left, double top, cons
 Drawing DrawScenes(const std::vector<MotionRow>& rows, const MotionPictureOptions& options) {
   constexpr double kHeads = 34.0;
   Drawing drawing{kScene * static_cast<double>(rows.size()), 0.0, options.title};
-  const double inner = drawing.width - 2.0 * kSpace;
-  const double top = drawing.Block(kSpace, 4.0, inner, options.title, 14.0, TextAnchor::kStart, kInkColour, true);
+  const double top = drawing.Head();
   const Motion* shared = nullptr;  // the first one of the label
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double left = kScene * static_cast<double>(r);
@@ -490,18 +489,14 @@ Drawing DrawScenes(const std::vector<MotionRow>& rows, const MotionPictureOption
       drawing.Text(left + kSpace, top + 20.0, rows[r].label, 12.0, TextAnchor::kStart, kInkColour, true);
     }
     const auto lowest = [](const Motion& of) {
-      Eigen::AlignedBox3d box;
-      for (int j = 0; j < of.joint_count(); ++j) box.extend(Vector3d(of.joints.at(of.frame_count() - 1, j)));
-      return box.min().y();
+      return BoxOf(of, of.joint_count(), of.frame_count() - 1, of.frame_count()).min().y();
     };
     const auto root = [](const Motion& of) { return of.joints.at(of.frame_count() - 1, 0).y(); };
     const bool alike = std::abs(root(motion) - root(*shared)) < 1e-3;
     DrawScene(rows[r], lowest(alike ? *shared : motion), left, top + kHeads, options, drawing);
   }
-  double bottom = drawing.Block(kSpace, top + kHeads + kScene, inner,
-                                "Dark: the last frame. Squares of 0.5 m; from the origin x is red, z black.", kSmall);
-  bottom = drawing.Block(drawing.width - kSpace, bottom, inner, options.corner, kSmall, TextAnchor::kEnd);
-  drawing.height = bottom + kSpace;
+  drawing.Finish(top + kHeads + kScene, "Dark: the last frame. Squares of 0.5 m; from the origin x is red, z black.",
+                 options.corner);
   return drawing;
 }
 
@@ -516,7 +511,7 @@ nlohmann::json DescribeRows(const std::vector<MotionRow>& rows, const MotionPict
   for (const MotionRow& row : rows) {
     nlohmann::json clips = nlohmann::json::array(), segments = nlohmann::json::array();
     for (const Clip& clip : row.clips) {
-      const Vector3d span = SpanOf(*clip.motion);
+      const Vector3d span = PathOf(*clip.motion).sizes();
       double bones = 0.0;
       for (int j = 1; j < clip.motion->joint_count(); ++j) {
         const int parent = clip.motion->skeleton->joints[static_cast<std::size_t>(j)].parent;
@@ -558,18 +553,13 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
     const Motion& motion = *clip.motion;
     const int frame =
         std::clamp(static_cast<int>(std::lround(seconds * motion.rate.hz())), 0, motion.frame_count() - 1);
-    Eigen::AlignedBox1d height;
-    for (int f = 0; f < motion.frame_count(); ++f) {
-      for (int j = 0; j < motion.joint_count(); ++j) {
-        height.extend(Eigen::AlignedBox1d(Eigen::Matrix<double, 1, 1>(motion.joints.at(f, j).y())));
-      }
-    }
+    const Eigen::AlignedBox3d box = BoxOf(motion, motion.joint_count(), 0, motion.frame_count());
     const double left = kCell * static_cast<double>(r % columns), middle = left + 0.5 * kCell;
     const double floor = (kCell + kText) * std::floor(double(r) / static_cast<double>(columns)) + kCell - 6.0;
-    const double scale = (kCell - 24.0) / std::max(1.9, height.sizes()[0] + 0.2);
+    const double scale = (kCell - 24.0) / std::max(1.9, box.sizes().y() + 0.2);
     drawing.Line({{left + 12.0, floor}, {left + kCell - 12.0, floor}}, 0.8, kFaintColour);
     Place(FigureOf(rows[r], clip, frame, LevelEye(motion, frame, FrontView(motion)), options.figure),
-          {middle, floor + scale * height.min()[0]}, scale, drawing);
+          {middle, floor + scale * box.min().y()}, scale, drawing);
     std::string label = rows[r].label.empty() ? FixedText(seconds, 2) + " s" : rows[r].label;
     for (const Segment& segment : clip.segments) {
       if (seconds >= segment.begin_s && seconds < segment.end_s) label = segment.label;
@@ -593,6 +583,28 @@ Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks, bool bones, F
   const std::vector<MotionRow> rows = {row};
   Drawing drawing = RowsDrawing(rows, options, true).Draw();
   drawing.title = "Figures of " + clip.id() + ", stills from " + Counted(clip.motion->frame_count(), "frame");
+  return drawing;
+}
+
+Drawing DrawInCloud(const Clip& clip, int frame, const std::vector<Vector3d>& points) {
+  constexpr double kWidth = 400.0, kHeight = 560.0;
+  constexpr std::size_t kMostPoints = 3000;  // more would cover the body
+  Drawing drawing{2.0 * kWidth, kHeight, "Body of " + clip.id() + " inside the point cloud"};
+  for (const double panel : {0.0, 1.0}) {
+    Eye eye = LevelEye(*clip.motion, frame, FrontView(*clip.motion));
+    eye.view.yaw += 1.35 * panel;
+    SeenFigure figure;
+    AddCapsules(clip, frame, eye, figure);
+    Measure(figure);
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kMostPoints) {
+      const Vector3d seen = eye.See(points[i]);
+      figure.parts.push_back({seen.z(), {}, {seen.head<2>(), seen.head<2>()}, kInkColour, 1.4});
+    }
+    Order(figure);
+    const double scale = 0.9 * std::min(kWidth / figure.box.sizes().x(), kHeight / figure.box.sizes().y());
+    const Vector2d centre = figure.box.center();
+    Place(figure, {kWidth * (panel + 0.5) - scale * centre.x(), 0.5 * kHeight + scale * centre.y()}, scale, drawing);
+  }
   return drawing;
 }
 

@@ -71,22 +71,22 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 21, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 22, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ReviewDeclaration() { return {"review", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReviewDeclaration() { return {"review", 5, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration AnnotateDeclaration() { return {"annotate", 5, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 6, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration SurveyDeclaration() { return {"survey", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration SurveyDeclaration() { return {"survey", 4, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 9, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 10, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 4, "mocurate-video", ClipLimits()}; }
 
-StageDeclaration MotionPictureDeclaration() { return {"draw", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration MotionPictureDeclaration() { return {"draw", 4, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration MotionVideoDeclaration() { return {"draw_video", 2, "mocurate-video", WholeSetLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 5, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration PictureDeclaration() { return {"picture", 6, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/base/median.h"
+#include "report/html.h"
 #include "report/painters.h"
 
 namespace mocurate {
@@ -274,6 +275,14 @@ Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidenc
   const auto image = painter ? painter->Draw(frame) : Forward(painter);
   if (!image) return Forward(image);
   return EncodePng(*image);
+}
+
+std::string OverlayHtml(const Clip& fitted, const Evidence& evidence, int view, int frame) {
+  const std::string name = "view " + EscapeHtml(ViewCamera(evidence, view).name) + ", frame " + std::to_string(frame);
+  const auto png = BodyOverlayPng(fitted, evidence, view, frame);
+  if (!png) return Paragraph("Not drawn over " + name + ": " + EscapeHtml(png.error().Message()), "soft");
+  return "<figure><img alt=\"Fitted body over " + name + "\" src=\"data:image/png;base64," + Base64(*png) +
+         "\"><figcaption>Fit over " + name + "</figcaption></figure>\n";
 }
 
 }  // namespace mocurate

@@ -46,7 +46,7 @@ figure { margin: 0; } figcaption { font-size: 14px; color: var(--soft); margin-b
 .clip { display: grid; grid-template-columns: minmax(0, 1fr) 300px; gap: 18px; align-items: center; }
 code { white-space: nowrap; }
 video { display: block; max-width: 100%; max-height: 560px; border-radius: 8px; margin: 0 0 14px; background: #181c22; }
-.player.alone { max-width: 560px; margin-top: 14px; } .player.alone canvas { height: 340px; }
+.alone .player { max-width: 560px; margin-top: 14px; } .alone canvas { height: 340px; }
 .s-observed { fill: var(--grid); background: var(--grid); } .s-repaired { fill: var(--bad); background: var(--bad); }
 .s-interpolated { fill: var(--suspect); background: var(--suspect); } .s-inferred { fill: var(--soft); background: var(--soft); }
 .player canvas { width: 100%; height: 230px; display: block; background: var(--page); border-radius: 8px; cursor: grab;

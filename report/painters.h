@@ -22,20 +22,18 @@ cv::Mat ToImage(const Drawing& drawing, double scale);
 /// A place in OpenCV's coordinates of four fractional bits.
 cv::Point Sixteenths(const Vector2d& at);
 
-/// A distant camera that looks at `centre` from the viewpoint, `pixels_per_metre` at the centre.
-Camera LookAt(const Viewpoint& view, const Vector3d& centre, double pixels_per_metre, int width, int height);
-
-/// A rendered body with soft light: its image, and its depth (height,width) in metres along z, 0 for nothing.
-struct ShadedBody {
-  cv::Mat image;  ///< CV_8UC3
-  std::vector<float> depth;
-};
-/// Left limbs blue, right ones orange, the trunk grey; over a shadow on the floor at `floor_y`.
-ShadedBody ShadeBody(const PosedBody& body, const Camera& camera, double floor_y);
-
 /// CV_16UC1; a frame without an image (an empty name) is all 0. Error kMalformed, kNotFound, kInconsistent (other size
 /// than the camera).
 Expected<cv::Mat> ReadDepth(const DepthView& view, int frame);
+
+/// A point that a view measured, world, metres, and its distance from a body's surface: negative inside.
+struct NearPoint {
+  Vector3d place;
+  double distance;
+};
+/// Those of every `step`th row and column that are less than `reach` metres outside the body. Errors of ReadDepth.
+Expected<std::vector<NearPoint>> PointsNear(const PosedBody& body, const DepthView& view, int frame, int step,
+                                            double reach);
 
 Expected<std::string> EncodePng(const cv::Mat& image);
 
@@ -106,6 +104,9 @@ Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidenc
 /// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
 /// outline and bones of the fitted body over it.
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame);
+
+/// The same as a figure of a page; or a paragraph that says why not.
+std::string OverlayHtml(const Clip& fitted, const Evidence& evidence, int view, int frame);
 
 /// The fitted body inside the point cloud of all depth views of a frame: front and side.
 Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame);

@@ -125,10 +125,9 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
                        (input.not_shown > 0 ? ", " + std::to_string(input.not_shown) + " more are not shown" : ""),
                    "lead") +
          Paragraph(
-             "Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong; "
-             "<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the chosen class; <kbd>[</kbd> and <kbd>]</kbd> "
-             "begin and end at the frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; "
-             "<kbd>s</kbd> save.",
+             R"html(Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong;
+<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the chosen class; <kbd>[</kbd> and <kbd>]</kbd> begin and end at the
+frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; <kbd>s</kbd> save.)html",
              "soft") +
          "</header>\n<main id=\"main\">\n" + cards +
          "<section id=\"decisions\"><h2>Decisions</h2>\n<p id=\"count\"></p>\n<p><button type=\"button\" "
@@ -137,9 +136,9 @@ std::string MakeReviewPage(const ReviewPageInput& input) {
          "as "
          "YAML\"></textarea>\n" +
          Paragraph(
-             "<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> applies them to this file; "
-             "<code>canon.review: decisions.yaml</code> in a config applies them in every run. The browser keeps them "
-             "until they are saved.",
+             R"html(<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> applies them to this file;
+<code>canon.review: decisions.yaml</code> in a config applies them in every run. The browser keeps them until
+they are saved.)html",
              "soft") +
          "</section>\n</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
          "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(player_data) +

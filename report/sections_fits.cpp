@@ -68,15 +68,7 @@ std::string Overlays(const DrawnClip& clip) {
   std::string html = "<div class=\"overlays\">\n";
   for (const std::size_t v : views) {
     const auto index = static_cast<int>(v);
-    const std::string view =
-        "view " + EscapeHtml(ViewCamera(evidence, index).name) + ", frame " + std::to_string(frame);
-    const auto png = BodyOverlayPng(clip.fitted, evidence, index, frame);
-    if (!png) {
-      html += Paragraph("Not drawn over " + view + ": " + EscapeHtml(png.error().Message()), "soft");
-      continue;
-    }
-    html += "<figure><img alt=\"Fitted body outlined over " + view + "\" src=\"data:image/png;base64," + Base64(*png) +
-            "\"><figcaption>Fit over " + view + "</figcaption></figure>\n";
+    html += OverlayHtml(clip.fitted, evidence, index, frame);
   }
   return html + "</div>\n" + Paragraph("White: outline of the fitted body; colours: depth, near is bright.", "soft");
 }
@@ -111,7 +103,7 @@ Plot Histogram(const std::string& name, const std::string& unit, const std::vect
 
 /// Share of whitened errors within a number of estimated standard deviations, beside the expected share.
 std::string CoverageChart(const nlohmann::json& error) {
-  Plot chart{"Errors within a number of estimated standard deviations", "standard deviations", "%", {{}, {}}};
+  Plot chart{"Errors within a number of estimated standard deviations, %", "standard deviations", "%", {{}, {}}};
   chart.curves[0] = {"if calibrated", {{0.0, 0.0}}, 5};
   chart.curves[1] = {"measured", {{0.0, 0.0}}, 0};
   double sigmas = 0.0;
@@ -121,8 +113,7 @@ std::string CoverageChart(const nlohmann::json& error) {
     chart.curves[1].points.push_back({sigmas, 100.0 * share});
   }
   if (sigmas == 0.0) return "";
-  return "<div class=\"charts wide\">" +
-         Figure("Errors within a number of estimated standard deviations, %", PlotHtml(chart)) + "</div>\n";
+  return "<div class=\"charts wide\">" + PlotHtml(chart) + "</div>\n";
 }
 
 }  // namespace
@@ -139,11 +130,11 @@ std::string QualityHtml(const ReportInput& input) {
     table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
-    charts += Figure(name, PlotHtml(Histogram(name, measure.unit, before, after)));
+    charts += PlotHtml(Histogram(name, measure.unit, before, after));
   }
   const std::vector<double> residuals = OverClips(input.run, "", "residual_rms_mm");
   if (residuals.size() >= kFewClips) {
-    charts += Figure("Residual RMS, mm", PlotHtml(Histogram("Residual RMS per clip", "mm", {}, residuals)));
+    charts += PlotHtml(Histogram("Residual RMS per clip", "mm", {}, residuals));
   }
   const std::string fit = ResidualTable(input.run);
   if (table.rows.empty() && fit.empty())

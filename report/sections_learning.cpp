@@ -92,8 +92,6 @@ std::map<std::string, const nlohmann::json*> Trainings(const nlohmann::json& run
 
 bool IsRecogniser(const nlohmann::json& training) { return Field(training, "epochs").is_number(); }
 
-std::string Chart(const Plot& chart) { return Figure(EscapeHtml(chart.title), PlotHtml(chart)); }
-
 /// " (250 iterations, batches of 64 clips)" of a group of trainings; values that differ between them or are unknown are
 /// omitted.
 std::string LengthText(const std::vector<std::pair<std::string, const nlohmann::json*>>& trainings) {
@@ -121,7 +119,7 @@ std::string GeneratorCharts(const std::string& item, const nlohmann::json& train
     Plot& chart = column == "kl" ? kl : loss;
     chart.curves.push_back({column, Thinned(steps, NumbersOf(values))});
   }
-  return Chart(loss) + Chart(kl);
+  return PlotHtml(loss) + PlotHtml(kl);
 }
 
 std::string RecogniserCharts(const std::string& kind,
@@ -136,7 +134,7 @@ std::string RecogniserCharts(const std::string& kind,
     if (!checked.empty())
       accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "check_step")), checked)});
   }
-  return Chart(loss) + Chart(accuracy);
+  return PlotHtml(loss) + PlotHtml(accuracy);
 }
 
 /// Networks that the run did not train, with the reason; empty when there are none.
@@ -290,33 +288,25 @@ std::string StopsHtml(const ReportInput& input) {
 }
 
 std::string ReadingHtml(const ReportInput&) {
-  const char* lines[] = {
-      "<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from the observations. It measures how "
-      "well "
-      "the fit explains the evidence, "
-      "not how accurate the evidence is.</dd>",
-      "<dt>Bone length deviation</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged "
-      "over bones. A person's bones do "
-      "not change: before fitting this is tracker noise, after it is zero by construction.</dd>",
-      "<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, but does "
-      "not mean accuracy: compare it with "
-      "the residual.</dd>",
-      "<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; inferred samples are marked "
-      "in the dataset.</dd>",
-      "<dt>FID ↓</dt><dd>Fréchet distance between features of generated and of real motion; features are the "
-      "recogniser's, so values compare only "
-      "within one recogniser.</dd>",
-      "<dt>Accuracy ↑</dt><dd>Share of the motions that the recogniser classifies as the requested label.</dd>",
-      "<dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same "
-      "label. Best is closest to the "
-      "row <em>Real</em>.</dd>",
-      "<dt>±</dt><dd>See the line below the table. It covers the repetitions of the evaluation, not another "
-      "training.</dd>",
-      "<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. Failed clips are in the "
-      "funnel's reasons.</dd>"};
-  std::string html = "<dl>\n";
-  for (const char* line : lines) html += std::string(line) + "\n";
-  return html + "</dl>\n";
+  return R"html(<dl>
+<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from the observations. It measures how well the
+fit explains the evidence, not how accurate the evidence is.</dd>
+<dt>Bone length deviation</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged over
+bones. A person's bones do not change: before fitting this is tracker noise, after it is zero by construction.</dd>
+<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, but does not mean
+accuracy: compare it with the residual.</dd>
+<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; inferred samples are marked in
+the dataset.</dd>
+<dt>FID ↓</dt><dd>Fréchet distance between features of generated and of real motion; features are the recogniser's,
+so values compare only within one recogniser.</dd>
+<dt>Accuracy ↑</dt><dd>Share of the motions that the recogniser classifies as the requested label.</dd>
+<dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same label.
+Best is closest to the row <em>Real</em>.</dd>
+<dt>±</dt><dd>See the line below the table. It covers the repetitions of the evaluation, not another training.</dd>
+<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. Failed clips are in the funnel's
+reasons.</dd>
+</dl>
+)html";
 }
 
 }  // namespace mocurate

@@ -215,11 +215,6 @@ Expected<SurveyAnswers> ReadSurveyAnswers(std::string_view bytes, const std::str
                     " are answered; missing: " + list + (missing.size() > 8 ? ", ..." : ""),
                 name + ": /answers", "answer them on the page and save again, or skip the file with --skip-bad");
   }
-  if (json->at("missing") != Json::array()) {
-    return Fail(ErrorCode::kMalformed,
-                "all questions are answered, but " + ShownValue(json->at("missing")) + " is listed as missing",
-                name + ": /missing", kSaveAgain);
-  }
   return answers;
 }
 

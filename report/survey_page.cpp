@@ -142,8 +142,8 @@ Expected<OpenSource> OpenSourceOf(const StageInput& input) {
   return open;
 }
 
-/// Reads every clip that the key shows.
-Expected<ShownClips> ReadShown(const SurveyKey& key, const std::map<std::string, OpenSource>& sources) {
+/// Reads every clip that the key shows. `posed`: each must have rotations, of one skeleton.
+Expected<ShownClips> ReadShown(const SurveyKey& key, const std::map<std::string, OpenSource>& sources, bool posed) {
   ShownClips clips;
   for (const SurveyQuestion& question : key.questions) {
     clips.emplace_back();
@@ -151,11 +151,22 @@ Expected<ShownClips> ReadShown(const SurveyKey& key, const std::map<std::string,
       const OpenSource& source = sources.at(shown.source);
       auto clip = source.clips.Read(source.row_of.at(shown.clip));
       if (!clip) return Forward(clip);
+      const std::string where = shown.source + ": " + shown.clip;
       if (!clip->motion || clip->motion->frame_count() < 2) {
-        return Fail(ErrorCode::kInconsistent, "the clip has no motion of two frames or more",
-                    shown.source + ": " + shown.clip, "remove it: `mocurate dataset subset --where 'frames >= 2'`");
+        return Fail(ErrorCode::kInconsistent, "the clip has no motion of two frames or more", where,
+                    "remove it: `mocurate dataset subset --where 'frames >= 2'`");
+      }
+      if (posed && clip->motion->joints_only()) {
+        return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a body with", where,
+                    "fit it first: mocurate fit FILE --skeleton smpl24; or draw bones: --figure bones");
       }
       clips.back().push_back(std::move(*clip));
+      const Skeleton &own = *clips.back().back().motion->skeleton, &first = *clips.front().front().motion->skeleton;
+      if (!posed || SameTree(own, first)) continue;
+      return Fail(ErrorCode::kInconsistent,
+                  "its skeleton '" + own.name + "' has other joints than '" + first.name +
+                      "' of other motions: one body cannot show both",
+                  where, "fit all with one: mocurate fit FILE --skeleton smpl24; or draw bones: --figure bones");
     }
   }
   return clips;
@@ -191,26 +202,8 @@ Status MakeAlike(const SurveyOptions& options, const SurveyKey& key, ShownClips&
   return {};
 }
 
-/// The body for all motions: of BodyJson. Error kUnsupported for a motion without rotations, kInconsistent for one of
-/// another skeleton, those of ReadSkin.
-Expected<nlohmann::json> BodyOfAll(const std::filesystem::path& file, const SurveyKey& key, const ShownClips& shown) {
-  const Skeleton& skeleton = *shown.front().front().motion->skeleton;
-  for (std::size_t q = 0; q < shown.size(); ++q) {
-    for (std::size_t i = 0; i < shown[q].size(); ++i) {
-      const Motion& motion = *shown[q][i].motion;
-      const std::string where = key.questions[q].shown[i].source + ": " + key.questions[q].shown[i].clip;
-      if (motion.joints_only()) {
-        return Fail(ErrorCode::kUnsupported, "the motion has no rotations to pose a body with", where,
-                    "fit it first: mocurate fit FILE --skeleton smpl24; or draw bones: --figure bones");
-      }
-      if (!SameTree(*motion.skeleton, skeleton)) {
-        return Fail(ErrorCode::kInconsistent,
-                    "its skeleton '" + motion.skeleton->name + "' has other joints than '" + skeleton.name +
-                        "' of other motions: one body cannot show both",
-                    where, "fit all with one: mocurate fit FILE --skeleton smpl24; or draw bones: --figure bones");
-      }
-    }
-  }
+/// Of kSkinScript. Errors of ReadSkin, kUnsupported for what a page cannot hold.
+Expected<nlohmann::json> ReadBody(const std::filesystem::path& file, const Skeleton& skeleton) {
   const auto skin = ReadSkin(file, skeleton);
   if (!skin) return Forward(skin);
   if (skin->joints.size() > kMostJoints || skin->vertices.size() > kMostVertices) {
@@ -273,7 +266,7 @@ Expected<StageOutcome> SurveyStage(const StageRequest& request) {
   }
   auto key = DrawSurvey(*options, sources);
   if (!key) return Forward(key);
-  auto shown = ReadShown(*key, open);
+  auto shown = ReadShown(*key, open, FindInput(request, "body") != nullptr);
   if (!shown) return Forward(shown);
   if (Status alike = MakeAlike(*options, *key, *shown); !alike) return Forward(alike);
   std::size_t motions = 0;
@@ -284,7 +277,7 @@ Expected<StageOutcome> SurveyStage(const StageRequest& request) {
   }
   nlohmann::json body;
   if (const StageInput* input = FindInput(request, "body")) {
-    auto read = BodyOfAll(input->path, *key, *shown);
+    auto read = ReadBody(input->path, *shown->front().front().motion->skeleton);
     if (!read) return Forward(read);
     body = std::move(*read);
   }

@@ -119,7 +119,7 @@ Expected<std::vector<DoseSeries>> AddDoseRows(const EvalArguments& arguments, co
 }
 
 void AddDoseResponse(const std::vector<DoseSeries>& series, nlohmann::json& result) {
-  result["dose_response"] = DoseJson(MakeDoseTable(result.at("rows"), series));
+  result["dose_response"] = DoseTable(result.at("rows"), series);
   nlohmann::json kept = nlohmann::json::array();
   std::set<std::string> codes;
   for (const nlohmann::json& warning : result.at("warnings")) {
@@ -134,18 +134,17 @@ void AddDoseResponse(const std::vector<DoseSeries>& series, nlohmann::json& resu
 }
 
 std::string DoseResponseText(const std::vector<DoseSeries>& series, const nlohmann::json& result) {
-  return DoseMarkdown(MakeDoseTable(result.at("rows"), series), TitleOf(result));
+  return DoseMarkdown(DoseTable(result.at("rows"), series), TitleOf(result));
 }
 
 Status WriteDoseResponse(const std::vector<DoseSeries>& series, const nlohmann::json& result, const fs::path& folder) {
-  const DoseTable table = MakeDoseTable(result.at("rows"), series);
-  const nlohmann::json json = DoseJson(table);
+  const nlohmann::json table = DoseTable(result.at("rows"), series);
   if (Status made = MakeFolder(folder / "tables"); !made) return made;
   const std::pair<fs::path, std::string> files[] = {
       {folder / "tables/dose_response.md", DoseMarkdown(table, TitleOf(result))},
       {folder / "tables/dose_response.csv", DoseCsv(table)},
-      {folder / "tables/dose_response.json", json.dump(1) + "\n"},
-      {folder / "dose_response.svg", ToSvg(DoseSheet(json, TitleOf(result)).Draw())}};
+      {folder / "tables/dose_response.json", table.dump(1) + "\n"},
+      {folder / "dose_response.svg", ToSvg(DoseSheet(table, TitleOf(result)).Draw())}};
   for (const auto& [path, text] : files) {
     if (Status written = WriteFile(path, text); !written) return written;
   }

@@ -25,7 +25,7 @@ Status NoMotionsToDamage(Error error);
 Expected<std::vector<DoseSeries>> AddDoseRows(const EvalArguments& arguments, const std::filesystem::path& folder,
                                               Evaluation& evaluation, std::vector<nlohmann::json>& warnings);
 
-/// Adds "dose_response" (as of DoseJson) to the result of that evaluation. Of equal warnings of several rows the first
+/// Adds "dose_response" (as of DoseTable) to the result of that evaluation. Of equal warnings of several rows the first
 /// is kept; warnings that damaged copies cause by design are removed.
 void AddDoseResponse(const std::vector<DoseSeries>& series, nlohmann::json& result);
 

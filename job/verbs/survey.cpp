@@ -126,12 +126,6 @@ CollectedAnswers CollectAnswers(const std::vector<fs::path>& files, const Survey
   return collected;
 }
 
-void PrintTally(const SurveyTallyArguments& arguments, const SurveyTally& tally) {
-  Print("%s", TallyToMarkdown(tally).c_str());
-  Print("\nalso in %s as tally.json, tally.csv, differences.csv, tally.md, figure.svg\n",
-        DisplayPath(arguments.output).c_str());
-}
-
 }  // namespace
 
 Status SurveyMakeVerb(CommonArguments& common, const SurveyMakeArguments& arguments) {
@@ -218,21 +212,22 @@ Status SurveyTallyVerb(CommonArguments& common, const SurveyTallyArguments& argu
     for (std::size_t i = 1; i < collected.bad.size(); ++i) Log(LogLevel::kError, collected.bad[i].second.Message());
     return tl::unexpected<Error>(collected.bad.front().second);
   }
-  SurveyTally tally = TallySurvey(*key, collected.answers);
+  nlohmann::ordered_json tally = TallySurvey(*key, collected.answers);
   for (const auto& [file, error] : collected.bad) {
     LogWarning("not counted: " + error.Message());
-    tally.skipped.push_back({DisplayPath(file), error.Message()});
+    tally["skipped"].push_back({{"file", DisplayPath(file)}, {"reason", error.Message()}});
   }
   if (Status folder = MakeFolder(arguments.output); !folder) return folder;
-  const nlohmann::json json = TallyToJson(tally);
+  const std::string markdown = TallyToMarkdown(tally);
   for (const auto& [name, text] :
-       {std::pair("tally.json", SurveyJsonText(json)), std::pair("tally.csv", TallyToCsv(tally)),
-        std::pair("differences.csv", DifferencesToCsv(tally)), std::pair("tally.md", TallyToMarkdown(tally)),
+       {std::pair("tally.json", SurveyJsonText(tally)), std::pair("tally.csv", TallyToCsv(tally.at("rows"))),
+        std::pair("differences.csv", TallyToCsv(tally.at("differences"))), std::pair("tally.md", markdown),
         std::pair("figure.svg", TallyToSvg(tally, arguments.corner))}) {
     if (Status written = WriteFile(output(name), text); !written) return written;
   }
-  if (AnswersInText(common, json)) {
-    PrintTally(arguments, tally);
+  if (AnswersInText(common, tally)) {
+    Print("%s\nalso in %s as tally.json, tally.csv, differences.csv, tally.md, figure.svg\n", markdown.c_str(),
+          DisplayPath(arguments.output).c_str());
   }
   return {};
 }

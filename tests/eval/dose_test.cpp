@@ -272,17 +272,20 @@ TEST(Dose, AMetricAnswersWhereIntervalsAreDisjointElseBeyondATenthAndTheNoiseOfR
   const nlohmann::json rows = {RowOf("Real", 0.9, 0.85, 0.95, 12.0), RowOf(kUndamaged, 0.9, 0.85, 0.95, 10.0),
                                RowOf("rate_factor=0.5", 0.7, 0.65, 0.75, 11.5),
                                RowOf("rate_factor=2", 0.84, 0.8, 0.86, 13.0)};
-  const DoseTable table = MakeDoseTable(rows, {{Damage::kRate, {0.5, 2.0, 4.0}}});  // the row of 4 failed
-  EXPECT_EQ(table.metrics, (std::vector<std::string>{"accuracy", "diversity"}));
-  EXPECT_EQ(table.AnsweredFrom(Damage::kRate, "accuracy"), (std::vector<double>{0.5}));
-  EXPECT_EQ(table.AnsweredFrom(Damage::kRate, "diversity"), (std::vector<double>{2.0}));
-  const DoseValue* slow = table.Find(Damage::kRate, 0.5, "accuracy");
-  ASSERT_NE(slow, nullptr);
-  EXPECT_NEAR(*slow->ratio, 0.7 / 0.9, 1e-12);
-  EXPECT_NEAR(*slow->shift, -4.0, 1e-9);
-  const std::string csv = DoseCsv(table);
+  const nlohmann::json table = DoseTable(rows, {{Damage::kRate, {0.5, 2.0, 4.0}}});  // the row of 4 failed
+  const nlohmann::json expected = {{"accuracy", {0.5}}, {"diversity", {2.0}}};
+  EXPECT_EQ(table["answers_from"]["rate_factor"], expected);
+  ASSERT_EQ(table["values"].size(), 6u);
+  const nlohmann::json& slow = table["values"][2];
+  EXPECT_EQ(slow["dose"], 0.5);
+  EXPECT_EQ(slow["metric"], "accuracy");
+  EXPECT_NEAR(slow["ratio"], 0.7 / 0.9, 1e-12);
+  EXPECT_NEAR(slow["shift"], -4.0, 1e-9);
+  const std::string csv = DoseCsv(table), markdown = DoseMarkdown(table, "t");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7) << "a header, three rows of two metrics";
-  EXPECT_EQ(DoseJson(table)["values"].size(), 6u);
+  EXPECT_NE(csv.find("\nrate_factor,times,1,diversity,10,,,,,0\n"), std::string::npos);
+  EXPECT_NE(markdown.find("\n| rate_factor | 0.5 | 2 |\n"), std::string::npos);
+  EXPECT_NE(markdown.find("\n| 2 | 0.84 | 13 * |\n"), std::string::npos);
 }
 
 }  // namespace
