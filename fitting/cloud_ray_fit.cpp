@@ -20,9 +20,9 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/clouds/fit_clouds.h"
 #include "fitting/clouds/joint_cloud_fit.h"
-#include "fitting/costs/pose_state.h"
 #include "fitting/evidence/detector_points.h"
 #include "fitting/stop_request.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 namespace {
@@ -120,9 +120,9 @@ RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint
 
 /// A frame's keypoints as rays through the camera: positions known across the ray, not along it. `noise_px` of a
 /// keypoint of confidence 1 per axis. The frame of the state must be up to date.
-std::vector<JointObservation> RaysOf(const KeypointView& view, const std::vector<int>& joint_of, int image, int person,
-                                     double noise_px, double min_confidence, const PoseState& state, int frame) {
-  std::vector<JointObservation> rays;
+std::vector<PointTerm> RaysOf(const KeypointView& view, const std::vector<int>& joint_of, int image, int person,
+                              double noise_px, double min_confidence, const PoseState& state, int frame) {
+  std::vector<PointTerm> rays;
   const RigidTransform world_from_camera = Inverse(view.camera.camera_from_world);
   for (std::size_t k = 0; k < joint_of.size(); ++k) {
     const double* point = view.at(image, person, static_cast<int>(k));
@@ -191,7 +191,7 @@ Expected<std::vector<FrameFit>> FramesWithRays(const std::vector<FusedCloud>& cl
     const auto fitted = FitCloudFrame(body, clouds[at], frame, state, options.point_clouds);
     if (!fitted) return Forward(fitted);
     fit.iterations += fitted->iterations;
-    for (const JointObservation& seen : frame.joints)
+    for (const PointTerm& seen : frame.joints)
       fit.motion.state[at * joints + static_cast<std::size_t>(seen.joint)] = JointState::kObserved;
   }
   return frames;

@@ -7,8 +7,8 @@
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
 #include "fitting/clouds/cloud_rig_audit.h"
-#include "fitting/costs/pose_gaussian.h"
 #include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/terms/pose_gaussian.h"
 #include "fitting/triangulation/keypoint_tracks.h"
 
 namespace mocurate {

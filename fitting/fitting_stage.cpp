@@ -3,6 +3,9 @@
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
+#include "core/base/median.h"
+#include "core/base/sha256.h"
+#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/body/capsule_body.h"
 #include "core/motion/gaps.h"
@@ -76,6 +79,49 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   if (clouds_alone) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
   if (options.method == FitMethod::kJointsAndClouds) return FitTracksAndDepth(clip, body->skeleton, bones, options);
   return FitTracksOfClip(clip, body->skeleton, bones, options);
+}
+
+/// Whether a clip is in the share that both solvers fit, by the hash of its id.
+bool IsChecked(const Clip& clip, double share) {
+  constexpr double kAll = 4294967296.0;  // of eight hexadecimal digits
+  return static_cast<double>(std::stoul(Sha256Hex(clip.id()).substr(0, 8), nullptr, 16)) < share * kAll;
+}
+
+/// Compares a fit with that of the other solver: the same searches, then the last solve from the same start.
+/// {"solver", "cost", "joint_median_mm", "joint_worst_mm"}; a finding where they differ by more than rounding and
+/// matches explain.
+nlohmann::json CompareSolvers(const StageRequest& request, const Clip& clip, FittingOptions options, FitResult& fit) {
+  constexpr double kMedian = 0.001, kWorst = 0.005;  // m, of joints
+  constexpr double kCost = 1e-3;                     // relative
+  const bool banded = options.solver == PoseSolver::kBanded;
+  options.UseSolver(banded ? PoseSolver::kCeres : PoseSolver::kBanded);
+  nlohmann::json json = {{"solver", banded ? "ceres" : "banded"}};
+  const auto report = [&](double value, const std::string& what) {
+    Finding finding = MakeFinding("solvers_differ", Severity::kWarning, value,
+                                  "the solver " + json["solver"].get<std::string>() + " " + what, FindingAction::kKept);
+    fit.findings.push_back(std::move(finding));
+  };
+  const Expected<FitResult> other = Fit(request, clip, options);
+  if (!other) {
+    json["failed"] = other.error().Message();
+    report(0.0, "fails: " + other.error().Message());
+    return json;
+  }
+  std::vector<double> apart;
+  for (int f = 0; f < fit.motion.frame_count(); ++f) {
+    for (int j = 0; j < fit.motion.joint_count(); ++j)
+      apart.push_back((fit.motion.joints.at(f, j) - other->motion.joints.at(f, j)).norm());
+  }
+  const double worst = *std::max_element(apart.begin(), apart.end()), median = MeanMedian(apart);
+  json["cost"] = other->final_cost;
+  json["joint_median_mm"] = 1e3 * median;
+  json["joint_worst_mm"] = 1e3 * worst;
+  const bool costs = std::abs(other->final_cost - fit.final_cost) > kCost * std::abs(fit.final_cost);
+  if (median > kMedian || worst > kWorst || costs)
+    report(1e3 * worst, "ends " + RoundedText(1e3 * median, 3) + " mm away in the median joint, " +
+                            RoundedText(1e3 * worst, 3) + " mm in the worst, at the cost " +
+                            RoundedText(other->final_cost, 6) + " instead of " + RoundedText(fit.final_cost, 6));
+  return json;
 }
 
 /// Whether the finding reports that ingest excluded images of a depth camera.
@@ -160,6 +206,9 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   Expected<FitResult> fit = Fit(request, *clip, *options);
   if (!fit) return fit.error().where.rfind("frame", 0) == 0 ? InClip(fit.error(), *clip) : Forward(fit);
   if (Status explained = CheckExplained(*fit, clip->id()); !explained) return Forward(explained);
+  nlohmann::json check;
+  if (options->method != FitMethod::kNone && IsChecked(*clip, options->check))
+    check = CompareSolvers(request, *clip, *options, *fit);
   if (Status counted = CountFromNamed(*options, fit->motion); !counted) return Forward(counted);
   if (options->method != FitMethod::kNone) MarkShortGaps(options->joint_tracks.max_gap_s, fit->motion);
   if (clip->motion) KeepInferred(*clip->motion, fit->motion);
@@ -172,6 +221,7 @@ Expected<StageOutcome> FittingStage(const StageRequest& request) {
   }
 
   StageOutcome outcome = OutcomeOfFit(*clip, *fit, *options);
+  if (!check.is_null()) outcome.summary["check"] = std::move(check);
   if (removal) outcome.summary["contacts"] = SlidingJson(*removal, *fit->motion.skeleton);
   dataset.created_by = CreatedBy();
   dataset.skeleton = fit->motion.rest_pose();

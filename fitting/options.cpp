@@ -68,24 +68,23 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last) {
 }
 
 void JointTrackOptions::Declare(OptionVisitor& v) {
-  v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
-           "ceres, or a block-tridiagonal solver of the same costs, several times faster");
+  v.Renamed("solver", "fitting.solver");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0},
            "residuals beyond this many sigmas count linearly (Huber loss)");
-  v.Number("rotation_process_noise", rotation_process_noise, Unit::kNone, {1e-3, 1e3},
+  v.Number("rotation_process_noise", priors.rotation_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of a joint's rotation, radians per square root second");
-  v.Number("velocity_process_noise", velocity_process_noise, Unit::kNone, {1e-3, 1e3},
+  v.Number("velocity_process_noise", priors.position_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of a joint's position, metres per square root second");
   v.OptionalNumber(
       "contact_process_noise", contact_process_noise, Unit::kNone, {1e-4, 1e3},
       "process noise of ankles and toes in contact, metres per square root second; none: no contact prior");
   v.Bool("recorded_rotations", recorded_rotations,
          "use rotations of the source or of a given motion as evidence, beside the positions");
-  v.Number("rest_sigma", rest_sigma, Unit::kRadian, {1e-2, 1e3},
+  v.Number("rest_sigma", priors.rest, Unit::kRadian, {1e-2, 1e3},
            "standard deviation of a joint's angle from the rest pose");
-  v.Number("limit_sigma", limit_sigma, Unit::kRadian, {1e-3, 1e2},
+  v.Number("limit_sigma", priors.limit, Unit::kRadian, {1e-3, 1e2},
            "standard deviation of an angle beyond a joint limit");
-  v.Number("hinge_sigma", hinge_sigma, Unit::kNone, {1e-3, 1e2},
+  v.Number("hinge_sigma", priors.hinge, Unit::kNone, {1e-3, 1e2},
            "standard deviation of a shin or forearm out of its hinge plane, as the sine of the angle");
   v.List("steps", steps, "solver steps, in order, from a closed-form pose; none: that pose is the fit");
   v.Integer("window_frames", window_frames, {10, 100000}, "longer clips are fitted in windows of this length");
@@ -119,8 +118,7 @@ void CloudStartOptions::Declare(OptionVisitor& v) {
 }
 
 void PointCloudOptions::Declare(OptionVisitor& v) {
-  v.Choice("solver", solver, {{"ceres", TrackSolver::kCeres}, {"banded", TrackSolver::kBanded}},
-           "ceres, or normal equations of the same costs, several times faster");
+  v.Renamed("solver", "fitting.solver");
   v.Number("voxel_size", voxel_size, Unit::kMetre, {1e-3, 0.5}, "edge of a voxel; one point per voxel is kept");
   v.Number("max_distance", max_distance, Unit::kMetre, {1e-3, 2.0}, "points farther from the body are ignored");
   v.OptionalNumber(
@@ -135,11 +133,11 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
   v.Group("start", start, "prior of the first pose");
   v.Group("audit", audit, "audit of the depth cameras before fusion");
   v.Integer("iterations", iterations, {1, 1000}, "iterations of matching points to capsules per frame, at most");
-  v.Number("rotation_process_noise", rotation_process_noise, Unit::kNone, {1e-3, 1e3},
+  v.Number("rotation_process_noise", priors.rotation_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of a joint's rotation, radians per square root second");
-  v.Number("velocity_process_noise", velocity_process_noise, Unit::kNone, {1e-3, 1e3},
+  v.Number("velocity_process_noise", priors.position_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of the root's position, metres per square root second");
-  v.Number("rest_sigma", rest_sigma, Unit::kRadian, {1e-2, 1e3},
+  v.Number("rest_sigma", priors.rest, Unit::kRadian, {1e-2, 1e3},
            "standard deviation of a joint's angle from the rest pose; less for trunk, feet and hands");
   v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0},
            "residuals beyond this many sigmas count linearly (Huber loss)");
@@ -195,6 +193,11 @@ void FittingOptions::Declare(OptionVisitor& v) {
            "with method: joints_and_clouds, for clips without depth images: refuse, or fit the tracks alone");
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
   DeclareOtherJoints(v, other_joints);
+  v.Choice("solver", solver, {{"ceres", PoseSolver::kCeres}, {"banded", PoseSolver::kBanded}},
+           "ceres, or a block-tridiagonal solver of the same terms, several times faster");
+  v.Number(
+      "check", check, Unit::kNone, {0.0, 1.0},
+      "share of the clips that are solved with the other solver too, from the same start; differences are findings");
   v.Group("repair", repair, "corrections of joint tracks before the fit");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");
@@ -202,6 +205,7 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Group("keypoints", keypoints, "fit of 2-D keypoints of several views");
   rules.Declare(v);
   UseRules(rules);
+  UseSolver(solver);
 }
 
 void FittingOptions::UseRules(const Rules& used) {
@@ -247,10 +251,10 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration RigDeclaration() { return {"rig", 2, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration RigDeclaration() { return {"rig", 3, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 36, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 37, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 59, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 60, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

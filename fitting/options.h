@@ -26,7 +26,22 @@ enum class OtherJoints { kRefuse, kLeaveOut };
 enum class BodyOf { kPerson, kRecording };
 
 /// Solver of a fit. Both minimise the same costs and reach the same optimum.
-enum class TrackSolver { kCeres, kBanded };
+enum class PoseSolver { kCeres, kBanded };
+
+/// Prior values of a plan: standard deviations of what people do without evidence.
+struct PriorValues {
+  double rest;            ///< rad, of a joint's angle from the rest pose (RestPoseSigmas scales it); without evidence
+  double limit;           ///< rad, beyond a joint limit
+  double hinge;           ///< sine of the angle by which a shin or forearm leaves the plane of its hinge; 0: no hinges
+  double rotation_noise;  ///< rad per sqrt(s), process noise of each joint's rotation
+  double position_noise;  ///< m per sqrt(s), process noise of positions
+  bool all_joints;        ///< position noise and limits of all joints; else position noise of the root, limits of limbs
+
+  /// Joint tracks are noisy, and their limits are soft; points on a surface are many, and a trunk must not absorb the
+  /// error of a capsule body.
+  static PriorValues OfTracks() { return {3.3, 0.5, 0.25, 0.55, 0.33, true}; }
+  static PriorValues OfClouds() { return {1.0, 0.1, 0.0, 0.55, 0.33, false}; }
+};
 
 /// Free parameters of a step: the root alone, or the root and every joint.
 enum class FreeParts { kRoot, kPose };
@@ -51,16 +66,12 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last = {});
 /// Fit of a skeleton to joint tracks. The noise of the tracks is estimated from them, not set here. Process noise of q
 /// per square root second: a random walk with standard deviation q * sqrt(dt) after dt.
 struct JointTrackOptions {
-  TrackSolver solver = TrackSolver::kCeres;
-  double huber_sigmas = 2.5;             ///< residuals beyond this many sigmas count linearly
-  double rotation_process_noise = 0.55;  ///< rad per sqrt(s), each joint
-  double velocity_process_noise = 0.33;  ///< m per sqrt(s), each joint
+  PoseSolver solver = PoseSolver::kCeres;  ///< not an option of the group: FittingOptions::UseSolver
+  PriorValues priors = PriorValues::OfTracks();
+  double huber_sigmas = 2.5;  ///< residuals beyond this many sigmas count linearly
   /// m per sqrt(s) of ankles and toes that the previous step has in contact with the floor; none: no contact prior.
   std::optional<double> contact_process_noise = 0.02;
   bool recorded_rotations = true;  ///< rotations that the source recorded are evidence beside the positions
-  double rest_sigma = 3.3;         ///< rad from the rest pose; determines what no evidence does
-  double limit_sigma = 0.5;        ///< rad beyond a joint limit
-  double hinge_sigma = 0.25;       ///< sine of the angle by which a shin or forearm leaves the plane of its hinge
   double max_gap_s = kMaxGap_s;    ///< of the clip: longest gap whose frames count as interpolated
   Rules rules;                     ///< not an option of the group: FittingOptions::UseRules
   std::vector<TrackStep> steps = StepsWithRefits(2);  ///< none: the closed form is the fit
@@ -127,7 +138,8 @@ struct KeypointAuditOptions : RigAuditOptions {
 
 /// Fit of a capsule body to fused depth views.
 struct PointCloudOptions {
-  TrackSolver solver = TrackSolver::kCeres;
+  PoseSolver solver = PoseSolver::kCeres;  ///< not an option of the group: FittingOptions::UseSolver
+  PriorValues priors = PriorValues::OfClouds();
   double voxel_size = 0.03;      ///< m, after fusing the views
   double max_distance = 0.1;     ///< m from the body; farther points are ignored
   std::optional<double> height;  ///< m, of the standing person from crown to soles; none: measured from the clouds
@@ -135,11 +147,7 @@ struct PointCloudOptions {
   double tallest = 2.2;          ///< m
   CloudStartOptions start;
   RigAuditOptions audit;
-  std::int64_t iterations = 40;          ///< of matching points to capsules, at most, per frame
-  double rotation_process_noise = 0.55;  ///< rad per sqrt(s), each joint
-  double velocity_process_noise = 0.33;  ///< m per sqrt(s), root
-  double rest_sigma =
-      1.0;  ///< rad from the rest pose; less for joints of the trunk, feet and hands, see RestPoseSigmas
+  std::int64_t iterations = 40;  ///< of matching points to capsules, at most, per frame
   double huber_sigmas = 2.5;
   bool uncertainty = true;  ///< covariance of joints, standard deviation of rotations
   Rules rules;              ///< not an option of the group: FittingOptions::UseRules
@@ -183,6 +191,8 @@ struct FittingOptions {
   std::string skeleton;  ///< name in configs/skeletons/ or a YAML file
   WithoutDepth without_depth = WithoutDepth::kRefuse;
   OtherJoints other_joints = OtherJoints::kRefuse;
+  PoseSolver solver = PoseSolver::kCeres;
+  double check = 0.0;  ///< share of the clips that are solved by the other solver too
   RepairOptions repair;
   JointTrackOptions joint_tracks;
   PointCloudOptions point_clouds;
@@ -190,8 +200,9 @@ struct FittingOptions {
   KeypointFitOptions keypoints;
   Rules rules;  ///< option `without`
 
-  /// Sets the rules of this and of all groups, as reading the option does.
+  /// Sets the rules, or the solver, of this and of all groups, as reading the option does.
   void UseRules(const Rules& used);
+  void UseSolver(PoseSolver used) { solver = joint_tracks.solver = point_clouds.solver = used; }
   void Declare(OptionVisitor& v);
 };
 

@@ -62,6 +62,9 @@ class OptionVisitor {
   virtual void ChoiceIndex(const char* name, std::size_t& index, const std::vector<std::string>& names,
                            const char* help) = 0;
 
+  /// An option that had this name: readers refuse it with its name now, to all else it does not exist.
+  virtual void Renamed(const char* name, const char* now) { static_cast<void>(name), static_cast<void>(now); }
+
   virtual void BeginGroup(const char* name, const char* help) = 0;
   virtual void EndGroup() = 0;
 

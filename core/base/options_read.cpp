@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/base/config_parts.h"
@@ -170,6 +171,8 @@ class OptionReader final : public OptionVisitor {
     value = std::move(texts);
   }
 
+  void Renamed(const char* name, const char* now) override { levels_.back().renamed.emplace(name, now); }
+
   void BeginGroup(const char* name, const char*) override {
     const ConfigNode* node = Find(name);
     Open(node, Name(name));
@@ -193,7 +196,8 @@ class OptionReader final : public OptionVisitor {
   struct Level {
     const ConfigNode* node;  ///< null when absent
     std::string name;
-    std::vector<std::string> options = {};  ///< visited
+    std::vector<std::string> options = {};            ///< visited
+    std::map<std::string, std::string> renamed = {};  ///< old name -> name now
   };
   struct List {
     const ConfigNode* node;
@@ -237,6 +241,10 @@ class OptionReader final : public OptionVisitor {
       for (const std::string& option : level.options) known = known || option == key;
       const std::string name = level.name.empty() ? key : level.name + "." + key;
       if (known) continue;
+      if (const auto now = level.renamed.find(key); now != level.renamed.end()) {
+        Refuse(value, name, "this option has another name", "write " + now->second);
+        continue;
+      }
       problems_.Add(written_ == Written::kAsJson ? level.name : value.key_origin.Text(),
                     "unknown option " + Quoted(name), [&, &option = key] { return HintFor(option, level.options); });
     }

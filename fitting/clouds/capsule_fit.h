@@ -6,8 +6,8 @@
 #include "core/base/error.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/costs/pose_state.h"
 #include "fitting/options.h"
+#include "fitting/terms/terms.h"
 
 namespace mocurate {
 
@@ -24,18 +24,25 @@ struct CapsuleFitOutcome {
 /// m; standard deviation of a point's distance where poses are compared: error of a capsule body.
 inline constexpr double kComparedSigma = 0.01;
 
+/// A fixed neighbouring frame, coupled by the process noise of the options.
+struct FixedNeighbourFrame {
+  int step = -1;         ///< -1: the frame before, 1: the frame after
+  double seconds = 0.0;  ///< between them
+};
+
 /// Settings for the fit of one frame.
 struct FrameFit {
   int frame = 0;
-  std::vector<FixedNeighbourFrame> held;      ///< fixed neighbouring frames
-  double widening = 1.0;                      ///< factor on max_distance in the first matching, decreasing later
-  int iterations = 40;                        ///< matchings, at most
-  std::vector<JointObservation> joints = {};  ///< joint positions from other modalities
-  const PoseGaussian* pose = nullptr;         ///< of other evidence, which has priors of its joints already
-  double point_weight = 1.0;                  ///< factor on the weight of points: below 1 when the whole body is off
+  std::vector<FixedNeighbourFrame> held;  ///< fixed neighbouring frames
+  double widening = 1.0;                  ///< factor on max_distance in the first matching, decreasing later
+  int iterations = 40;                    ///< matchings, at most
+  std::vector<PointTerm> joints = {};     ///< joint positions from other modalities
+  const PoseGaussian* pose = nullptr;     ///< of other evidence, which has priors of its joints already
+  double point_weight = 1.0;              ///< factor on the weight of points: below 1 when the whole body is off
   /// m, of a point's distance where the distance limit is not widened; 0: measured at the first matching, and once more
   /// at the minimum. With a widened limit it is measured at every matching.
   double sigma = 0.0;
+  PoseSolver solver = PoseSolver::kBanded;  ///< of searches; the fit that is the answer has that of the options
 };
 
 /// Fit of a pose that is compared with others of the same cloud.

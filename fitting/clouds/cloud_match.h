@@ -5,8 +5,7 @@
 
 #include "core/body/capsule_body.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/costs/pose_gaussian.h"
-#include "fitting/costs/pose_state.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 
@@ -50,31 +49,6 @@ double RobustSigma(std::vector<double> distances);
 /// the previous radius when points are few. Uses frames [begin, end) of the state.
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,
                     double max_distance, CapsuleBody& body);
-
-/// A fixed neighbouring frame, coupled by the process noise of the options.
-struct FixedNeighbourFrame {
-  int step = -1;         ///< -1: the frame before, 1: the frame after
-  double seconds = 0.0;  ///< between them
-};
-
-/// Joint position from another modality. Huber loss like points: linear beyond huber_sigmas.
-struct JointObservation {
-  int joint = 0;
-  Vector3d position = Vector3d::Zero();   ///< world, metres
-  Matrix3d whitening = Matrix3d::Zero();  ///< W, 1/m: W'W is the information; zero along a ray
-};
-
-/// Terms of one frame beside its priors.
-struct FrameTerms {
-  int frame = 0;
-  const FusedCloud& cloud;
-  const std::vector<CloudMatch>& matches;
-  double weight = 0.0;  ///< of a point's distance, 1/m (inverse sigma)
-  double huber = 0.0;   ///< whitened distance beyond which the loss of a point is linear
-  std::vector<FixedNeighbourFrame> held = {};
-  std::vector<JointObservation> joints = {};
-  const PoseGaussian* pose = nullptr;  ///< of other evidence; replaces the rest pose and the limits of its joints
-};
 
 /// Fits capsule ends (in their joints' frames) and radii to the points of some frames with known poses. Linear least
 /// squares per capsule, left and right together, with a prior from the usual variation between people and template.

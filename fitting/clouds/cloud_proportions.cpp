@@ -116,9 +116,7 @@ Expected<BodyFromClouds> MeasurePosedBody(const std::vector<Clip>& clips, const 
                                      " % of the depth points lie near the body of the other evidence",
                 clips.front().id(), "check that both are of one person, one clock and one world frame");
   }
-  PointCloudOptions quick = options;
-  quick.solver = TrackSolver::kBanded;  // same costs, faster
-  const Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), quick);
+  const Expected<ShapedPerson> shaped = FitShape(clouds, skeleton, std::move(person), options);
   if (!shaped) return Forward(shaped);
   BodyFromClouds body = MeasuredBody(*shaped, skeleton);
   body.nothing_from = std::move(some->nothing_from);

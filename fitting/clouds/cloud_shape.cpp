@@ -10,9 +10,9 @@
 #include "core/body/capsule_body.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/capsule_fit.h"
-#include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_match.h"
-#include "fitting/costs/huber.h"
+#include "fitting/clouds/cloud_terms.h"
+#include "fitting/solver/pose_equations.h"
 #include "fitting/stop_request.h"
 
 namespace mocurate {
@@ -49,38 +49,29 @@ struct Figure {
   }
 };
 
-std::vector<double> Distances(const Figure& figure, int frame, const FusedCloud& cloud,
-                              const std::vector<CloudMatch>& matches) {
-  std::vector<CapsuleEnds> ends;
-  for (const BodyCapsule& capsule : figure.body.capsules) ends.push_back(EndsOf(capsule, figure.state, frame));
-  std::vector<double> distances;
-  for (const CloudMatch& match : matches) {
-    const CapsuleEnds& of_capsule = ends[match.capsule];
-    distances.push_back(SignedDistance(of_capsule.begin, of_capsule.end, figure.body.capsules[match.capsule].radius,
-                                       cloud.points.col(match.point)));
-  }
-  return distances;
-}
+/// Rows of the points of one frame, in order; derivatives by its pose where there are `columns`.
+struct PointRows {
+  const PoseState& state;
+  int frame;
+  const PoseColumns* columns;
+  std::vector<double> r{};
+  std::vector<Eigen::RowVectorXd> by_pose{};
 
-/// Derivatives of the weighted distance of a matched point with respect to a frame's pose.
-void FillPoseRow(int frame, const Figure& figure, const FusedCloud& cloud, const CloudMatch& match,
-                 const CloudEquations& equations, double weight, Eigen::MatrixXd::RowXpr row) {
-  const PoseState& state = figure.state;
-  const BodyCapsule& capsule = figure.body.capsules[match.capsule];
-  const CapsuleEnds ends = EndsOf(capsule, state, frame);
-  const CapsulePoint on = ClosestOnCapsule(ends.begin, ends.end, capsule.radius, cloud.points.col(match.point));
-  const Vector3d on_axis = on.point - capsule.radius * on.normal;
-  const Vector3d normal = weight * on.normal;
-  row.head<3>() = -normal.transpose();
-  const auto add_rotation = [&](int joint) {
-    const int column = equations.column(joint);
-    if (column < 0) return;
-    const Vector3d lever = on_axis - state.position(frame, joint);
-    row.segment<3>(column) = normal.transpose() * Hat(lever) * state.lever(frame, joint);
-  };
-  for (const int joint : state.path(capsule.frame)) add_rotation(joint);
-  add_rotation(capsule.frame);
-}
+  void operator()(const BodyRows<1>& rows) {
+    r.push_back(rows.r[0]);
+    if (columns == nullptr) return;
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns->size());
+    row.head<3>() = rows.a.head<3>();
+    const auto add_rotation = [&](int joint) {
+      if (columns->of(joint) >= 0) row.segment<3>(columns->of(joint)) = rows.a * TwistOf(state, frame, joint);
+    };
+    for (const int joint : state.path(rows.carrier)) add_rotation(joint);
+    add_rotation(rows.carrier);
+    by_pose.push_back(std::move(row));
+  }
+  template <class Others>
+  void operator()(const Others&) {}
+};
 
 class ShapeFit {
  public:
@@ -133,19 +124,21 @@ class ShapeFit {
   void AddFrame(int f, double sigma, Figure& figure, Information& information, ShapeUnknowns& right) const {
     const FusedCloud& cloud = clouds_[f];
     figure.state.Update(f, f + 1, true);
-    const std::vector<CloudMatch> matches = MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance);
-    const double share = PatchShare(options_);
-    const double weight = share / sigma;
-    const double huber = share * options_.huber_sigmas;
-    CloudEquations equations(figure.body, figure.state, {f, cloud, matches, weight, huber, {}, {}}, options_);
-    equations.Linearise();
-    const auto size = equations.matrix().rows();
-    const auto count = static_cast<Eigen::Index>(matches.size());
-    Eigen::MatrixXd by_pose = Eigen::MatrixXd::Zero(count, size);
-    Eigen::VectorXd residual(count);
-    const std::vector<double> distances = Distances(figure, f, cloud, matches);
-    for (Eigen::Index i = 0; i < count; ++i)
-      FillPoseRow(f, figure, cloud, matches[i], equations, weight, by_pose.row(i));
+    FrameFit fit;
+    fit.frame = f;
+    PoseTerms terms = CloudTerms(figure.body, options_);
+    terms.frames = {TermsOfFit(figure.body, cloud, fit,
+                               MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance), sigma,
+                               options_)};
+    const SurfaceTerm& surface = terms.frames.front().surface;
+    PoseEquations pose(figure.state);
+    BlockTridiagonal equations(1, pose.columns().size());
+    pose.Linearise(terms, figure.state, equations);
+    PointRows here{figure.state, f, &pose.columns()};
+    VisitFrame<true>(terms, figure.state, 0, here);
+    const auto count = static_cast<Eigen::Index>(here.r.size());
+    Eigen::MatrixXd by_pose(count, pose.columns().size());
+    Eigen::VectorXd residual = Eigen::Map<const Eigen::VectorXd>(here.r.data(), count);
     Eigen::MatrixXd by_shape(count, kUnknowns);
     for (int k = 0; k < kUnknowns; ++k) {
       ShapeUnknowns change = ShapeUnknowns::Zero();
@@ -153,21 +146,24 @@ class ShapeFit {
       Figure other = At(change, 1);
       other.state.SetFrameParameters(0, figure.state.FrameParameters(f));
       other.state.Update(0, 1, false);
-      const std::vector<double> there = Distances(other, 0, cloud, matches);
-      for (Eigen::Index i = 0; i < count; ++i) by_shape(i, k) = weight * (there[i] - distances[i]) / kTinyStep;
+      PoseTerms moved = terms;
+      moved.body = &other.body;
+      moved.frames.front().frame = 0;
+      PointRows there{other.state, 0, nullptr};
+      VisitFrame<false>(moved, other.state, 0, there);
+      by_shape.col(k) = (Eigen::Map<const Eigen::VectorXd>(there.r.data(), count) - residual) / kTinyStep;
     }
     for (Eigen::Index i = 0; i < count; ++i) {
-      residual[i] = weight * distances[i];
-      const double root = std::sqrt(HuberSlope(Square(residual[i]), huber));
+      const double root = std::sqrt(HuberSlope(Square(residual[i]), surface.huber));
       residual[i] *= root;
-      by_pose.row(i) *= root;
+      by_pose.row(i) = root * here.by_pose[static_cast<std::size_t>(i)];
       by_shape.row(i) *= root;
     }
     const Eigen::MatrixXd cross = by_pose.transpose() * by_shape;
-    const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.matrix());
+    const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(equations.Diagonal(0));
     if (factor.info() != Eigen::Success) return;  // the pose is undetermined: the frame adds nothing
     information += by_shape.transpose() * by_shape - cross.transpose() * factor.solve(cross);
-    right -= by_shape.transpose() * residual - cross.transpose() * factor.solve(equations.gradient());
+    right -= by_shape.transpose() * residual - cross.transpose() * factor.solve(equations.Gradient(0));
   }
 
   const std::vector<FusedCloud>& clouds_;

@@ -357,8 +357,6 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   }
   const double rest_height = HeightOfRestBody(skeleton);
   const ScaleRange people{options.shortest / rest_height, options.tallest / rest_height};
-  PointCloudOptions quick = options;
-  quick.solver = TrackSolver::kBanded;  // same costs, faster
   clouds.erase(std::remove_if(clouds.begin(), clouds.end(),
                               [](const FusedCloud& cloud) { return cloud.size() < kFewestPoints; }),
                clouds.end());
@@ -366,7 +364,7 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   const double from_height = ScaleFromHeight(rest_height, clouds, people, options.voxel_size);
   const bool few = clouds.size() <= kFewClouds;
   const std::vector<FusedCloud> chosen = OfAllHeights(std::move(clouds), kClouds);
-  const SizeSearch search(skeleton, chosen, quick);
+  const SizeSearch search(skeleton, chosen, options);
   Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
   if (!best) return Forward(best);
   if (!people.Has(best->scale)) {
@@ -378,7 +376,7 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   person.scale = best->scale;
   person.poses = best->poses;
   if (HasTemplateShape(*skeleton)) {
-    Expected<ShapedPerson> shaped = FitShape(chosen, skeleton, std::move(person), quick);
+    Expected<ShapedPerson> shaped = FitShape(chosen, skeleton, std::move(person), options);
     if (shaped && !people.Has(shaped->scale)) return NoPerson(shaped->scale * rest_height, options);
     return shaped;
   }

@@ -6,13 +6,13 @@
 #include "core/body/capsule_body.h"
 #include "core/motion/motion.h"
 #include "fitting/clouds/capsule_fit.h"
-#include "fitting/clouds/cloud_equations.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/costs/pose_state.h"
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
 #include "fitting/rules.h"
+#include "fitting/solver/pose_equations.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 
@@ -23,9 +23,10 @@ struct CloudUncertainty {
   std::vector<double> prior;       ///< (J) prior variance of the rotation, rad^2
 };
 
-/// Of a frame whose unknowns (CloudEquations) have the covariance (n x n). Needs Update with derivatives.
-CloudUncertainty UncertaintyOfCovariance(const CloudEquations& equations, int frame, const Eigen::MatrixXd& covariance,
-                                         const PoseState& state, const PointCloudOptions& options);
+/// Of a frame whose unknowns have the covariance (n x n). Needs Update with derivatives.
+CloudUncertainty UncertaintyOfCovariance(const PoseColumns& columns, const Skeleton& skeleton, int frame,
+                                         const Eigen::MatrixXd& covariance, const PoseState& state,
+                                         const PointCloudOptions& options);
 
 /// From the inverse of the Gauss-Newton matrix of the frame's terms, at the minimum in the state; points weighted with
 /// `sigma` (CapsuleFitOutcome). Does not include the difference between body and person (BodyErrors). Needs Update.

@@ -254,6 +254,8 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   result.capsule_radii = RadiiText(track->body);
   const Shown shown = Measure(*track, options, result);
   const bool settled = smoothed->smoothed.settled;
+  result.initial_cost = smoothed->smoothed.initial_cost;
+  result.final_cost = smoothed->smoothed.final_cost;
   if (options.uncertainty) AddUncertainty(*std::move(smoothed), shown, options, result);
   ReportAmbiguous(*track, result);
   ReportContradiction(*track, result);
@@ -265,8 +267,6 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   int unsettled = 0;
   for (const CapsuleFitOutcome& outcome : track->outcomes) {
     result.iterations += outcome.iterations;
-    result.initial_cost += outcome.initial_cost;
-    result.final_cost += outcome.final_cost;
     if (outcome.iterations > 0 && !outcome.converged) ++unsettled;
   }
   result.converged = unsettled == 0 && settled;

@@ -13,8 +13,8 @@
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
-#include "fitting/costs/huber.h"
 #include "fitting/stop_request.h"
+#include "fitting/terms/huber.h"
 #include "fitting/uncertainty/body_sigma.h"
 
 namespace mocurate {
@@ -388,7 +388,8 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     const Expected<PoseGaussian> pose = PoseOf(motion, poses, f, factor, moving);
     if (!pose) return Forward(pose);
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &*pose, *surface_weight};
+    FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &*pose, *surface_weight};
+    fit.solver = options.solver;
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
     auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);

@@ -5,9 +5,9 @@
 
 #include "core/body/capsule_body.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/costs/pose_state.h"
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 

@@ -5,7 +5,7 @@
 #include "core/body/capsule_body.h"
 #include "core/geometry/rigid.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/costs/pose_state.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 

@@ -11,7 +11,7 @@
 namespace mocurate {
 
 struct ProcessNoiseScale;
-struct TrackWindow;
+struct TrackProblem;
 
 /// The joints of one leg, each the parent of the next; `toe` (LimbsOf's tip) is -1 where the skeleton has none.
 struct Leg {
@@ -58,6 +58,6 @@ nlohmann::json SlidingJson(const SlidingRemoval& removal, const Skeleton& skelet
 /// Ground contact as a prior: where `pose`, the current fit of all frames, has an ankle or toe in contact, its process
 /// noise is at most `options.contact_process_noise` (which must be set). The prior states that such a foot hardly
 /// moves, not where the floor is. Skeletons without legs are not changed.
-void HoldStandingFeet(const Motion& pose, const TrackWindow& window, ProcessNoiseScale& factors);
+void HoldStandingFeet(const Motion& pose, const TrackProblem& window, ProcessNoiseScale& factors);
 
 }  // namespace mocurate

@@ -11,8 +11,8 @@
 #include "core/geometry/rotation.h"
 #include "core/quality/tracked_points.h"
 #include "fitting/association/body_shape.h"
-#include "fitting/costs/huber.h"
 #include "fitting/proportions.h"
+#include "fitting/terms/huber.h"
 
 namespace mocurate {
 namespace {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/base/finding.h"
-#include "fitting/costs/pose_state.h"
 #include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 

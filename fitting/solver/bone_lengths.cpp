@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "core/base/median.h"
-#include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/rest_sigmas.h"
+#include "fitting/terms/huber.h"
 
 namespace mocurate {
 namespace {

@@ -9,9 +9,9 @@
 #include "core/base/pi.h"
 #include "core/geometry/rigid.h"
 #include "core/geometry/rotation.h"
-#include "fitting/costs/hinge_cost.h"
-#include "fitting/costs/huber.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/terms/hinge.h"
+#include "fitting/terms/huber.h"
 
 namespace mocurate {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "fitting/costs/pose_state.h"
 #include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 

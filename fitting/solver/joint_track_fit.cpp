@@ -15,8 +15,8 @@
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
 #include "fitting/solver/rest_sigmas.h"
-#include "fitting/solver/track_equations.h"
-#include "fitting/solver/track_window.h"
+#include "fitting/solver/solve.h"
+#include "fitting/solver/track_problem.h"
 #include "fitting/uncertainty/process_noise_scale.h"
 #include "fitting/uncertainty/track_uncertainty.h"
 
@@ -25,28 +25,23 @@ namespace {
 
 constexpr double kNearlyExact = 1e-3;  ///< metres, for tracks too short to show their noise
 
-/// Cost of all frames at the pose of the state. Windows overlap: the sum of their costs would count frames twice.
-double CostOf(const TrackWindow& whole) {
-  TrackEquations track(whole);
-  track.SetParameters(track.Parameters());
-  return track.Cost();
-}
-
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
-Status SolveWindows(const TrackWindow& whole, FitResult& result) {
-  const JointTrackOptions& options = whole.options;
-  const int frames = whole.end;
+Status SolveWindows(const TrackProblem& problem, const TrackStep& step, PoseSolver solver, FitResult& result) {
+  const JointTrackOptions& options = problem.options;
+  const int frames = problem.frames();
   const int length = static_cast<int>(options.window_frames);
-  const int step = std::max(1, length - static_cast<int>(options.window_overlap));
-  const auto solve = options.solver == TrackSolver::kBanded ? SolveBanded : SolveWithCeres;
+  const int stride = std::max(1, length - static_cast<int>(options.window_overlap));
   result.converged = true;
   result.termination = "converged";
+  // Windows overlap: the sum of their costs would count frames twice.
   const bool several = frames > length;
-  if (several) result.initial_cost = CostOf(whole);
-  for (int begin = 0; begin < frames; begin += step) {
+  const auto cost_of_all = [&] { return Cost(problem.Terms(0, frames, false), problem.state); };
+  if (several) result.initial_cost = cost_of_all();
+  for (int begin = 0; begin < frames; begin += stride) {
     const int end = frames - begin <= length ? frames : begin + length;
-    const auto solution = solve({whole.tracks, whole.state, whole.sigma, options, begin, end, begin > 0,
-                                 whole.noise_scale, whole.rotations, whole.step, whole.memory, whole.rest_sigmas});
+    const auto solution = Solve(problem.Terms(begin, end, begin > 0), problem.state,
+                                {solver, step.relative_tolerance, static_cast<int>(step.max_iterations),
+                                 "fit of joint tracks", problem.memory});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
     if (!several) result.initial_cost = solution->initial_cost;
@@ -57,25 +52,21 @@ Status SolveWindows(const TrackWindow& whole, FitResult& result) {
     }
     if (end == frames) break;
   }
-  if (several) result.final_cost = CostOf(whole);
+  if (several) result.final_cost = cost_of_all();
   return {};
 }
 
 /// Solves a step of the fit. All but the last use the banded solver, the fastest; a loosely converged solution would
 /// differ between the solvers.
-Status SolveStep(const TrackWindow& whole, const std::vector<bool>& active, const TrackStep& step, bool last,
+Status SolveStep(TrackProblem problem, const std::vector<bool>& active, const TrackStep& step, bool last,
                  FitResult& result) {
-  JointTrackOptions options = whole.options;
-  if (!last) options.solver = TrackSolver::kBanded;
-  whole.state.Update(0, whole.end, false);
+  problem.state.Update(0, problem.frames(), false);
   std::vector<bool> free = active;
   if (step.free == FreeParts::kRoot) std::fill(free.begin() + 1, free.end(), false);
-  whole.state.SetActive(free);
-  const RotationTargets* rotations = step.evidence == StepEvidence::kAll ? whole.rotations : nullptr;
-  Status solved = SolveWindows({whole.tracks, whole.state, whole.sigma, options, 0, whole.end, false, whole.noise_scale,
-                                rotations, step, whole.memory, whole.rest_sigmas},
-                               result);
-  whole.state.SetActive(active);
+  problem.state.SetActive(free);
+  if (step.evidence == StepEvidence::kPositions) problem.rotations = nullptr;
+  Status solved = SolveWindows(problem, step, last ? problem.options.solver : PoseSolver::kBanded, result);
+  problem.state.SetActive(active);
   return solved;
 }
 
@@ -171,8 +162,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   if (options.rules.on(FittingRule::kOutlierRejection)) rejected = RejectOutliers(tracks, sigma);
   JointTrackOptions widened = options;
   const double widening = options.rules.on(FittingRule::kProcessNoiseWidening) ? ProcessNoiseWidening(noise) : 1.0;
-  widened.rotation_process_noise *= widening;
-  widened.velocity_process_noise *= widening;
+  widened.priors.rotation_noise *= widening;
+  widened.priors.position_noise *= widening;
   const std::vector<bool> active = JointsWithEvidenceBelow(tracks);
   PoseState state(*tracks.skeleton, tracks.frames(), bone_length, active);
   ClosedFormStart(tracks, state);
@@ -180,10 +171,10 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   result.termination = "closed form";
   std::optional<ProcessNoiseScale> factors;
   std::optional<RotationTargets> rotations;
-  TrackWindow whole{tracks, state, sigma, widened, 0, tracks.frames()};
+  TrackProblem whole(tracks, state, sigma, widened);
   BlockTridiagonal memory;
   whole.memory = &memory;
-  const std::vector<double> rest_sigmas = RestPoseSigmas(tracks, options.rest_sigma);
+  const std::vector<double> rest_sigmas = RestPoseSigmas(tracks, options.priors.rest);
   whole.rest_sigmas = &rest_sigmas;
   std::vector<Finding> disagreements;
   for (const TrackStep& step : options.steps) {

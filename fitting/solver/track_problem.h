@@ -1,34 +1,78 @@
 #pragma once
 
-#include <ceres/loss_function.h>
-#include <ceres/problem.h>
-
 #include <optional>
 #include <vector>
 
-#include "fitting/costs/hinge_cost.h"
-#include "fitting/solver/pose_update.h"
-#include "fitting/solver/track_window.h"
+#include "fitting/evidence/rotation_targets.h"
+#include "fitting/evidence/skeleton_tracks.h"
+#include "fitting/options.h"
+#include "fitting/terms/terms.h"
 
 namespace mocurate {
 
-/// The costs of a window as a Ceres problem.
-class TrackProblem {
- public:
-  explicit TrackProblem(const TrackWindow& window);
+class BlockTridiagonal;
 
-  ceres::Problem& problem() { return problem_; }
+/// Factors on the process noise of the options, per step from a frame to the next: how much more (or less) this person
+/// moves this joint here. (F*J); the last frame's entries are not read.
+struct ProcessNoiseScale {
+  std::vector<double> rotation;
+  std::vector<double> position;
+
+  static ProcessNoiseScale Ones(std::size_t numbers) {
+    return {std::vector<double>(numbers, 1.0), std::vector<double>(numbers, 1.0)};
+  }
+};
+
+/// The joint tracks of a clip, the pose that is fitted to them, and what the fit knows beside them.
+struct TrackProblem {
+  TrackProblem(const SkeletonTracks& of, PoseState& pose, double noise, const JointTrackOptions& with)
+      : tracks(of), state(pose), sigma(noise), options(with), hinges(HingesOf(*of.skeleton)) {}
+
+  const SkeletonTracks& tracks;
+  PoseState& state;
+  double sigma;  ///< of the tracks, metres per axis
+  const JointTrackOptions& options;
+  std::vector<std::optional<Hinge>> hinges;               ///< (J)
+  const ProcessNoiseScale* noise_scale = nullptr;         ///< none: 1 everywhere
+  const RotationTargets* rotations = nullptr;             ///< recorded; none: not used
+  const std::vector<double>* rest_sigmas = nullptr;       ///< (J) radians; none: options.priors.rest of all
+  const std::vector<double>* rest_information = nullptr;  ///< (F*J) 1/rad^2; none: that of RestSigma in each frame
+  BlockTridiagonal* memory = nullptr;                     ///< reused by all solves; null: their own
+
+  int frames() const { return tracks.frames(); }
+  std::size_t Index(int frame, int joint) const {
+    return static_cast<std::size_t>(frame) * static_cast<std::size_t>(tracks.joints()) +
+           static_cast<std::size_t>(joint);
+  }
+  /// Seconds from a frame to the next; coupled only up to kMaxGap_s, whatever may be interpolated.
+  double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
+  bool Joined(int frame) const { return Step(frame) <= kMaxGap_s; }
+  /// Standard deviation per axis of a joint's angle from the rest pose, radians.
+  double RestSigma(int joint) const {
+    return rest_sigmas != nullptr ? (*rest_sigmas)[static_cast<std::size_t>(joint)] : options.priors.rest;
+  }
+  /// Information of the rest prior of a joint in a frame, 1/rad^2 per axis.
+  double RestInformation(int frame, int joint) const {
+    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / Square(RestSigma(joint));
+  }
+  /// Variances per axis of a joint's rotation (rad^2) and position (m^2) from a frame to the next.
+  double RotationVariance(int frame, int joint) const {
+    const double factor = noise_scale != nullptr ? noise_scale->rotation[Index(frame, joint)] : 1.0;
+    return Square(options.priors.rotation_noise * factor) * Step(frame);
+  }
+  double MoveVariance(int frame, int joint) const {
+    const double factor = noise_scale != nullptr ? noise_scale->position[Index(frame, joint)] : 1.0;
+    return Square(options.priors.position_noise * factor) * Step(frame);
+  }
+  /// Of an observed joint's sample (1 / m^2), before the robust loss, and with it at the state's pose.
+  Matrix3d Information(int frame, int joint) const { return tracks.precision_at(frame, joint) / (sigma * sigma); }
+  Matrix3d RobustInformation(int frame, int joint) const;
+
+  /// Terms of the frames [begin, end). `after_fixed`: frame begin - 1 is fixed, and coupled by process noise.
+  PoseTerms Terms(int begin, int end, bool after_fixed) const;
 
  private:
-  void AddFrame(int frame);
-  void AddStep(int frame);
-
-  const TrackWindow window_;
-  PoseState& state_;
-  std::vector<std::optional<Hinge>> hinges_;  ///< (J)
-  PoseUpdate update_;
-  ceres::HuberLoss loss_;
-  ceres::Problem problem_;
+  StepTerm StepAfter(int frame) const;
 };
 
 }  // namespace mocurate

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/geometry/rotation.h"
-#include "fitting/costs/hinge_cost.h"
-#include "fitting/costs/huber.h"
+#include "fitting/terms/hinge.h"
+#include "fitting/terms/huber.h"
 
 namespace mocurate {
 namespace {
@@ -45,7 +45,7 @@ double FixedRotation(const PoseState& state, const std::vector<int>& children) {
 /// fixed joints and offsets of tracked points on the person; three columns each, along the world's axes.
 class BodyEquations {
  public:
-  BodyEquations(const TrackWindow& whole, std::vector<bool> unmeasured)
+  BodyEquations(const TrackProblem& whole, std::vector<bool> unmeasured)
       : whole_(whole),
         unmeasured_(std::move(unmeasured)),
         shown_(whole.tracks.JointObservations()),
@@ -145,7 +145,7 @@ class BodyEquations {
     return information;
   }
 
-  const TrackWindow& whole_;
+  const TrackProblem& whole_;
   std::vector<bool> unmeasured_;
   std::vector<bool> shown_;
   std::vector<std::vector<int>> children_;
@@ -163,19 +163,19 @@ double SpreadOfBone(const Skeleton& skeleton, int bone) {
   return skeleton.joints[start].mirror == start ? kTrunkSigma : kLimbSigma;
 }
 
-std::vector<float> CovarianceOfBody(const TrackWindow& whole) {
+std::vector<float> CovarianceOfBody(const TrackProblem& whole) {
   std::vector<bool> unmeasured = UnmeasuredBones(whole.tracks, whole.state);
   const bool measured = std::find(unmeasured.begin(), unmeasured.end(), true) == unmeasured.end();
   if (measured && whole.tracks.place_sigma.empty()) return {};
   const BodyEquations equations(whole, std::move(unmeasured));
   const auto joints = static_cast<std::size_t>(whole.state.joints());
   const std::vector<double>& time_s = whole.tracks.time_s;
-  std::vector<float> covariance(6 * joints * static_cast<std::size_t>(whole.end), 0.0F);
+  std::vector<float> covariance(6 * joints * static_cast<std::size_t>(whole.frames()), 0.0F);
   int begin = 0;
   std::vector<Matrix3d> before = equations.At(0);
   std::vector<Matrix3d> after = before;
-  for (int f = 0; f < whole.end; ++f) {
-    if (f > 0 && f < whole.end - 1 && time_s[f] - time_s[begin] < kStep_s) continue;
+  for (int f = 0; f < whole.frames(); ++f) {
+    if (f > 0 && f < whole.frames() - 1 && time_s[f] - time_s[begin] < kStep_s) continue;
     if (f > 0) after = equations.At(f);
     for (int g = begin; g <= f; ++g) {
       const double share = f > begin ? (time_s[g] - time_s[begin]) / (time_s[f] - time_s[begin]) : 0.0;
@@ -207,11 +207,11 @@ Matrix3d AlongBone(const Vector3d& bone, const Matrix3d& more) {
 
 }  // namespace
 
-void AddSecondOrderCovariance(const TrackWindow& whole, std::vector<float>& position_cov) {
+void AddSecondOrderCovariance(const TrackProblem& whole, std::vector<float>& position_cov) {
   const PoseState& state = whole.state;
   std::vector<Matrix3d> own(static_cast<std::size_t>(state.joints()));
   std::vector<Matrix3d> added(own.size());
-  for (int f = 0; f < whole.end; ++f) {
+  for (int f = 0; f < whole.frames(); ++f) {
     for (int j = 0; j < state.joints(); ++j) {
       float* stated = position_cov.data() + 6 * whole.Index(f, j);
       own[j] = FromSixNumbers(stated);
@@ -260,7 +260,7 @@ std::vector<Matrix3d> FrameOrientationByBones(const Skeleton& skeleton, const st
   return covariance;
 }
 
-std::vector<Matrix3d> FrameOrientationCovariance(const TrackWindow& whole) {
+std::vector<Matrix3d> FrameOrientationCovariance(const TrackProblem& whole) {
   const std::vector<bool> shown = whole.tracks.JointObservations();
   const Skeleton& skeleton = *whole.tracks.skeleton;
   std::vector<double> length(shown.size(), 0.0), variance(shown.size(), 0.0);

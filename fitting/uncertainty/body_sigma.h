@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fitting/solver/track_window.h"
+#include "fitting/solver/track_problem.h"
 
 namespace mocurate {
 
@@ -29,7 +29,7 @@ inline constexpr double kEndRotation = 0.3;  ///< Radians, the same for wrists, 
 /// The hand beyond the last observed joint has all of its bone's and the wrist's uncertainty, an observed joint almost
 /// none. A body's error is constant: the pose is that of a fixed frame with every joint that the tracks show. Computed
 /// every 0.2 s, linear between. `whole` is the whole clip at its solution, kinematics up to date.
-std::vector<float> CovarianceOfBody(const TrackWindow& whole);
+std::vector<float> CovarianceOfBody(const TrackProblem& whole);
 
 inline constexpr double kShortestBone_m = 1e-3;  ///< shorter bones are between joints that coincide by definition
 
@@ -38,7 +38,7 @@ inline constexpr double kShortestBone_m = 1e-3;  ///< shorter bones are between 
 /// end of a bone of length r comes nearer by r (1 - cos): mean square r^2 s^2 / 2, and 4/3 r^2 for a uniform direction.
 /// s follows from the difference of the end's and the start's covariance, so joints with other evidence get none;
 /// descendants of an end follow it. Joints observed in their frame are unchanged.
-void AddSecondOrderCovariance(const TrackWindow& whole, std::vector<float>& position_cov);
+void AddSecondOrderCovariance(const TrackProblem& whole, std::vector<float>& position_cov);
 
 /// Covariance of each joint's frame orientation (3 x 3 in the joint's frame, rad^2; (J)) from the uncertain position of
 /// each bone's end relative to its start: `variance` (J), m^2 per axis; 0: the bone has no information.
@@ -51,6 +51,6 @@ std::vector<Matrix3d> FrameOrientationByBones(const Skeleton& skeleton, const st
 /// tracker's points that are not joints add their own. Only bones with both ends observed count. About a joint's only
 /// bone there is no such rotation (that twist is in the prior), unless the bone ends in a hinge: then the carrying
 /// angle of forearms and shins.
-std::vector<Matrix3d> FrameOrientationCovariance(const TrackWindow& whole);
+std::vector<Matrix3d> FrameOrientationCovariance(const TrackProblem& whole);
 
 }  // namespace mocurate

@@ -9,25 +9,20 @@
 
 namespace mocurate {
 
-Status VisitCovariances(const TrackWindow& whole, const std::function<void(const FrameCovariance&)>& visit) {
+Status VisitCovariances(const TrackProblem& whole, const std::function<void(const FrameCovariance&)>& visit) {
   const OneThread one_thread;
   const int length = static_cast<int>(whole.options.window_frames);
   const int context = static_cast<int>(whole.options.window_overlap);
-  whole.state.Update(0, whole.end, true);
+  whole.state.Update(0, whole.frames(), true);
   BlockTridiagonal own_memory;
-  for (int begin = 0; begin < whole.end; begin += length) {
-    const int end = std::min(begin + length, whole.end);
-    TrackWindow window{whole.tracks, whole.state, whole.sigma, whole.options};
-    window.begin = std::max(begin - context, 0);
-    window.end = std::min(end + context, whole.end);
-    window.noise_scale = whole.noise_scale;
-    window.rotations = whole.rotations;
-    window.rest_sigmas = whole.rest_sigmas;
-    window.rest_information = whole.rest_information;
-    TrackEquations track(window);
+  PoseEquations pose(whole.state);
+  for (int begin = 0; begin < whole.frames(); begin += length) {
+    const int end = std::min(begin + length, whole.frames());
+    const int first = std::max(begin - context, 0);
+    const PoseTerms terms = whole.Terms(first, std::min(end + context, whole.frames()), false);
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
-    equations.Resize(window.end - window.begin, track.size());
-    track.Linearise(equations);
+    equations.Resize(static_cast<int>(terms.frames.size()), pose.columns().size());
+    pose.Linearise(terms, whole.state, equations);
     if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
       return Fail(ErrorCode::kInconsistent,
                   "the pose is undetermined in spite of its priors (singular normal equations)",
@@ -36,28 +31,23 @@ Status VisitCovariances(const TrackWindow& whole, const std::function<void(const
     }
     Eigen::MatrixXd next;
     equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {
-      const int frame = window.begin + f;
-      if (frame >= begin && frame < end) visit({track, frame, own, with_next, next, equations.Next(f)});
+      const int frame = first + f;
+      if (frame >= begin && frame < end) visit({pose.columns(), frame, own, with_next, next, equations.Next(f)});
       next = own;
     });
   }
   return {};
 }
 
-TwistPropagation::TwistPropagation(const PoseState& state, const TrackEquations& track, int frame)
-    : state_(state), track_(track), frame_(frame), twist_(static_cast<std::size_t>(state.joints())) {
+TwistPropagation::TwistPropagation(const PoseState& state, const PoseColumns& columns, int frame)
+    : state_(state), columns_(columns), frame_(frame), twist_(static_cast<std::size_t>(state.joints())) {
   for (int j = 0; j < state.joints(); ++j) {
-    if (track.column(j) < 0) continue;
-    twist_[j].topRows<3>().noalias() = Hat(state.position(frame, j) - state.position(frame, 0)) * state.lever(frame, j);
-    twist_[j].bottomRows<3>() = state.lever(frame, j);
+    if (columns.of(j) >= 0) twist_[static_cast<std::size_t>(j)] = TwistOf(state, frame, j);
   }
 }
 
-Eigen::Matrix<double, 3, 6> TwistPropagation::PositionDerivative(int joint) const {
-  Eigen::Matrix<double, 3, 6> derivative;
-  derivative.leftCols<3>().setIdentity();
-  derivative.rightCols<3>() = Hat(state_.position(frame_, 0) - state_.position(frame_, joint));
-  return derivative;
+Matrix36d TwistPropagation::PositionDerivative(int joint) const {
+  return PointMotion(state_.position(frame_, joint) - state_.position(frame_, 0));
 }
 
 std::vector<Matrix6d> TwistPropagation::CovarianceWith(const TwistPropagation& other,
@@ -72,7 +62,7 @@ std::vector<Matrix6d> TwistPropagation::CovarianceWith(const TwistPropagation& o
       carrier[j] = turned[state_.parent(j)];
     }
     turned[j] = carrier[j];
-    const int c = track_.column(j);
+    const int c = columns_.of(j);
     if (c < 0) continue;
     // Cross terms of the joint's carrier here and its rotation there, and the reverse.
     Eigen::Matrix<double, 6, 3> forth = Eigen::Matrix<double, 6, 3>::Zero();
@@ -80,7 +70,7 @@ std::vector<Matrix6d> TwistPropagation::CovarianceWith(const TwistPropagation& o
     forth.topRows<3>() = unknowns.block<3, 3>(0, c);
     back.leftCols<3>() = unknowns.block<3, 3>(c, 0);
     for (const int a : state_.path(j)) {
-      const int above = track_.column(a);
+      const int above = columns_.of(a);
       forth.noalias() += twist_[a] * unknowns.block<3, 3>(above, c);
       back.noalias() += unknowns.block<3, 3>(c, above) * other.twist_[a].transpose();
     }

@@ -28,12 +28,12 @@ struct Steps {
 
 class StepReader {
  public:
-  StepReader(const TrackWindow& window, Steps& rotations, Steps& translations)
+  StepReader(const TrackProblem& window, Steps& rotations, Steps& translations)
       : window_(window), rotations_(rotations), translations_(translations) {}
 
   void Read(const FrameCovariance& covariance) {
     const int f = covariance.frame;
-    if (f + 1 >= window_.end || !window_.Joined(f)) return;
+    if (f + 1 >= window_.frames() || !window_.Joined(f)) return;
     UpdatePrior(covariance);
     if (prior_.size() == 0) return;
     AddMoves(covariance);
@@ -59,14 +59,13 @@ class StepReader {
   void AddMoves(const FrameCovariance& covariance) {
     const int f = covariance.frame;
     const PoseState& state = window_.state;
-    const TwistPropagation here(state, covariance.track, f);
-    const TwistPropagation there(state, covariance.track, f + 1);
+    const TwistPropagation here(state, covariance.columns, f);
+    const TwistPropagation there(state, covariance.columns, f + 1);
     const std::vector<Matrix6d> own = here.CovarianceWith(here, covariance.own);
     const std::vector<Matrix6d> next = there.CovarianceWith(there, covariance.next);
     const std::vector<Matrix6d> cross = here.CovarianceWith(there, covariance.with_next);
     const std::vector<Matrix6d> prior_twists = here.CovarianceWith(here, prior_);
-    const double unit =
-        window_.options.velocity_process_noise * window_.options.velocity_process_noise * window_.Step(f);
+    const double unit = window_.options.priors.position_noise * window_.options.priors.position_noise * window_.Step(f);
     for (int j = 0; j < state.joints(); ++j) {
       const double square = (state.position(f + 1, j) - state.position(f, j)).squaredNorm();
       const auto before = here.PositionDerivative(j);
@@ -82,7 +81,7 @@ class StepReader {
   void AddRotation(const FrameCovariance& covariance, int j) {
     const int f = covariance.frame;
     const PoseState& state = window_.state;
-    const int c = covariance.track.column(j);
+    const int c = covariance.columns.of(j);
     if (c < 0) return;
     const Vector3d turn = LogMatrix(state.local(f, j).transpose() * state.local(f + 1, j));
     const Matrix3d inverse = RightJacobianInverse(turn);
@@ -92,13 +91,12 @@ class StepReader {
     const double next = (after * covariance.next.block<3, 3>(c, c) * after.transpose()).trace();
     const double cross = (before * covariance.with_next.block<3, 3>(c, c) * after.transpose()).trace();
     const double prior = (after * prior_.block<3, 3>(c, c) * after.transpose()).trace();
-    const double unit =
-        window_.options.rotation_process_noise * window_.options.rotation_process_noise * window_.Step(f);
+    const double unit = window_.options.priors.rotation_noise * window_.options.priors.rotation_noise * window_.Step(f);
     Add(turn.squaredNorm(), unit, prior, own + next + 2.0 * cross, window_.RotationVariance(f, j), window_.Index(f, j),
         rotations_);
   }
 
-  const TrackWindow& window_;
+  const TrackProblem& window_;
   Steps& rotations_;
   Steps& translations_;
   Eigen::MatrixXd prior_;
@@ -120,8 +118,8 @@ struct StepSum {
   double Towards(double factor, double weight) const { return (square + weight * factor) / (known + weight); }
 };
 
-void Average(const TrackWindow& window, const Steps& steps, std::vector<double>& factors) {
-  const int frames = window.end;
+void Average(const TrackProblem& window, const Steps& steps, std::vector<double>& factors) {
+  const int frames = window.frames();
   const int joints = window.tracks.joints();
   StepSum all;
   for (std::size_t at = 0; at < steps.square.size(); ++at) all.Add(steps, at);
@@ -150,7 +148,7 @@ void Average(const TrackWindow& window, const Steps& steps, std::vector<double>&
 
 }  // namespace
 
-Expected<ProcessNoiseScale> RefitProcessNoise(const TrackWindow& window) {
+Expected<ProcessNoiseScale> RefitProcessNoise(const TrackProblem& window) {
   const std::size_t numbers = window.tracks.confidence.size();
   Steps rotations{std::vector<double>(numbers, -1.0), std::vector<double>(numbers, 0.0)};
   Steps translations = rotations;
@@ -172,7 +170,7 @@ constexpr double kAutocorrelationTime_s = 5.0;  ///< for which people keep a pos
 
 std::vector<double> TypicalRotations(const Skeleton& skeleton) { return RestPoseSigmas(skeleton, kTypicalSigma); }
 
-std::vector<double> RestInformationOfProcessNoise(const TrackWindow& whole) {
+std::vector<double> RestInformationOfProcessNoise(const TrackProblem& whole) {
   std::vector<double> information(whole.tracks.confidence.size());
   const std::vector<double> typical = TypicalRotations(*whole.tracks.skeleton);
   for (int j = 0; j < whole.tracks.joints(); ++j) {
@@ -181,9 +179,9 @@ std::vector<double> RestInformationOfProcessNoise(const TrackWindow& whole) {
       return std::min(std::tanh(0.25 * whole.RotationVariance(step, j) / square),
                       0.5 * whole.Step(step) / kAutocorrelationTime_s);
     };
-    for (int f = 0; f < whole.end; ++f) {
+    for (int f = 0; f < whole.frames(); ++f) {
       const double before = f > 0 && whole.Joined(f - 1) ? of_step(f - 1) : 1.0;
-      const double after = f + 1 < whole.end && whole.Joined(f) ? of_step(f) : 1.0;
+      const double after = f + 1 < whole.frames() && whole.Joined(f) ? of_step(f) : 1.0;
       information[whole.Index(f, j)] = 0.5 / square * (before + after);
     }
   }

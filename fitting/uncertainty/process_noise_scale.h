@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "fitting/solver/track_window.h"
+#include "fitting/solver/track_problem.h"
 
 namespace mocurate {
 
@@ -14,7 +14,7 @@ namespace mocurate {
 /// towards the joint's mean over the clip, and that towards all joints' mean. Steps across gaps keep their factor.
 /// `window` is the whole clip at its solution, with the factors it was solved with. Error kInconsistent if the matrix
 /// cannot be factored.
-Expected<ProcessNoiseScale> RefitProcessNoise(const TrackWindow& window);
+Expected<ProcessNoiseScale> RefitProcessNoise(const TrackProblem& window);
 
 /// (J) typical rotation of each joint from the rest pose, radians per axis: RestPoseSigmas of 1 rad.
 std::vector<double> TypicalRotations(const Skeleton& skeleton);
@@ -25,6 +25,6 @@ std::vector<double> TypicalRotations(const Skeleton& skeleton);
 /// gives its two frames tanh(q / (4 s^2)) / (2 s^2), and the first and last frame between gaps have 1 / (2 s^2) in
 /// addition. For fast joints, the correlation time is at least 5 s. A single frame has 1 / s^2. The fit's own rest
 /// prior is another one, weak enough to count in every frame.
-std::vector<double> RestInformationOfProcessNoise(const TrackWindow& whole);
+std::vector<double> RestInformationOfProcessNoise(const TrackProblem& whole);
 
 }  // namespace mocurate

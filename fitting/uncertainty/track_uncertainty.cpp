@@ -22,7 +22,7 @@ constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes (numerical)
 
 /// Variance of a joint's rotation about the axes of its frame, rad^2.
 Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_frame, int joint) {
-  const int column = of_frame.track.column(joint);
+  const int column = of_frame.columns.of(joint);
   const Matrix3d& jacobian = state.right_jacobian(of_frame.frame, joint);
   return (jacobian * of_frame.own.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
 }
@@ -30,33 +30,25 @@ Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_fram
 /// Variance of a joint's rotation per axis of its frame without evidence (F*J): that of the same equations (rest pose,
 /// limits, hinges, process noise) where every joint is seen with a sigma of 1e4 times its own, which only keeps the
 /// person in the world. At most the typical rotation of people.
-Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
+Expected<std::vector<Vector3d>> PriorVariance(const TrackProblem& whole) {
   constexpr double kFaint = 1e-4;  ///< confidence of observations without effect (numerical)
   SkeletonTracks faint = whole.tracks;
   faint.precision.clear();
   std::fill(faint.confidence.begin(), faint.confidence.end(), kFaint);
-  for (int f = 0; f < whole.end; ++f) {
+  for (int f = 0; f < whole.frames(); ++f) {
     for (int j = 0; j < faint.joints(); ++j) faint.positions.at(f, j) = whole.state.position(f, j);
   }
-  const TrackWindow blind{faint,
-                          whole.state,
-                          whole.sigma,
-                          whole.options,
-                          0,
-                          whole.end,
-                          false,
-                          whole.noise_scale,
-                          nullptr,
-                          whole.step,
-                          whole.memory,
-                          whole.rest_sigmas,
-                          whole.rest_information};
+  TrackProblem blind(faint, whole.state, whole.sigma, whole.options);
+  blind.noise_scale = whole.noise_scale;
+  blind.rest_sigmas = whole.rest_sigmas;
+  blind.rest_information = whole.rest_information;
+  blind.memory = whole.memory;
   const std::vector<double> typical = TypicalRotations(*faint.skeleton);
   std::vector<Vector3d> prior(faint.confidence.size());
   const Status visited = VisitCovariances(blind, [&](const FrameCovariance& of_frame) {
     for (int j = 0; j < faint.joints(); ++j) {
       Vector3d variance = Vector3d::Constant(j == 0 ? kUnknownAngle : typical[j] * typical[j]);
-      if (const int column = of_frame.track.column(j); j > 0 && column >= 0)
+      if (const int column = of_frame.columns.of(j); j > 0 && column >= 0)
         variance = variance.cwiseMin(RotationVariance(whole.state, of_frame, j));
       prior[whole.Index(of_frame.frame, j)] = variance;
     }
@@ -67,7 +59,7 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackWindow& whole) {
 
 /// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
 /// the trunk were tilted is no evidence for an upright trunk.
-ProcessNoiseScale ProcessNoiseOfObserved(const TrackWindow& whole) {
+ProcessNoiseScale ProcessNoiseOfObserved(const TrackProblem& whole) {
   constexpr double kAnywhere = 1e4;  ///< factor on the process noise of unobserved joints (numerical)
   const std::size_t numbers = whole.tracks.confidence.size();
   ProcessNoiseScale noise_scale = whole.noise_scale != nullptr ? *whole.noise_scale : ProcessNoiseScale::Ones(numbers);
@@ -88,15 +80,14 @@ struct Freedom {
 
 class Reader {
  public:
-  Reader(const TrackWindow& window, const std::vector<Vector3d>& prior, PoseUncertainty& out, Freedom& freedom)
+  Reader(const TrackProblem& window, const std::vector<Vector3d>& prior, PoseUncertainty& out, Freedom& freedom)
       : window_(window), prior_(prior), out_(out), freedom_(freedom) {}
 
   void Read(const FrameCovariance& of_frame) {
     const PoseState& state = window_.state;
-    const TrackEquations& track = of_frame.track;
     const Eigen::MatrixXd& covariance = of_frame.own;
     const int frame = of_frame.frame;
-    const TwistPropagation twists(state, track, frame);
+    const TwistPropagation twists(state, of_frame.columns, frame);
     const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
     if (window_.options.poses) WritePose(of_frame);
     for (int j = 0; j < state.joints(); ++j) {
@@ -106,7 +97,7 @@ class Reader {
       ToSixNumbers(position, out_.position_cov.data() + 6 * at);
       WriteRotation(of_frame, at, j);
       if (!window_.tracks.seen(frame, j)) continue;
-      const Matrix3d information = track.DataInformation(frame, j);
+      const Matrix3d information = window_.RobustInformation(frame, j);
       const Vector3d away = state.position(frame, j) - window_.tracks.positions.at(frame, j);
       freedom_.squares += away.dot(information * away);
       const double leverage = information.cwiseProduct(position).sum();
@@ -124,7 +115,7 @@ class Reader {
     Eigen::MatrixXd& covariance = poses.frame[static_cast<std::size_t>(of_frame.frame)];
     covariance = of_frame.own;
     for (int j = 0; j < window_.state.joints(); ++j) {
-      const int column = of_frame.track.column(j);
+      const int column = of_frame.columns.of(j);
       poses.column.push_back(column);
       if (column < 0) continue;
       const Matrix3d& jacobian = window_.state.right_jacobian(of_frame.frame, j);
@@ -136,14 +127,14 @@ class Reader {
   void WriteRotation(const FrameCovariance& of_frame, std::size_t at, int joint) {
     const Vector3d& prior = prior_[at];
     Vector3d variance = prior;
-    if (of_frame.track.column(joint) >= 0) variance = RotationVariance(window_.state, of_frame, joint).cwiseMin(prior);
+    if (of_frame.columns.of(joint) >= 0) variance = RotationVariance(window_.state, of_frame, joint).cwiseMin(prior);
     for (int i = 0; i < 3; ++i) {
       out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(std::min(variance[i], kUnknownAngle)));
       out_.rotation_observed[3 * at + i] = static_cast<float>(std::clamp(1.0 - variance[i] / prior[i], 0.0, 1.0));
     }
   }
 
-  const TrackWindow& window_;
+  const TrackProblem& window_;
   const std::vector<Vector3d>& prior_;
   PoseUncertainty& out_;
   Freedom& freedom_;
@@ -217,9 +208,9 @@ void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, dou
 
 /// Adds the covariance of frame orientations between bodies, the joint's own and its parent's, to rotations that
 /// evidence determines.
-void AddFrameOrientations(const TrackWindow& whole, const std::vector<Vector3d>& prior, PoseUncertainty& uncertainty) {
+void AddFrameOrientations(const TrackProblem& whole, const std::vector<Vector3d>& prior, PoseUncertainty& uncertainty) {
   const std::vector<Matrix3d> frame_covariance = FrameOrientationCovariance(whole);
-  for (int f = 0; f < whole.end; ++f) {
+  for (int f = 0; f < whole.frames(); ++f) {
     for (int j = 0; j < whole.state.joints(); ++j) {
       const std::size_t at = whole.Index(f, j);
       Matrix3d added = frame_covariance[j];
@@ -242,24 +233,24 @@ void AddFrameOrientations(const TrackWindow& whole, const std::vector<Vector3d>&
 
 }  // namespace
 
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor) {
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& window, double least_factor) {
   const std::vector<double> rest_information = RestInformationOfProcessNoise(window);
   const ProcessNoiseScale noise_scale = ProcessNoiseOfObserved(window);
   const Rules& rules = window.options.rules;
-  TrackWindow whole = window;
+  TrackProblem whole = window;
   if (rules.on(FittingRule::kRestCorrelation)) whole.rest_information = &rest_information;
   if (rules.on(FittingRule::kUnobservedProcessNoise)) whole.noise_scale = &noise_scale;
-  const auto numbers = static_cast<std::size_t>(whole.end) * whole.state.joints();
+  const auto numbers = static_cast<std::size_t>(whole.frames()) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
   uncertainty.rotation_sigma.assign(3 * numbers, 0.0F);
   uncertainty.rotation_observed.assign(3 * numbers, 0.0F);
-  whole.state.Update(0, whole.end, true);
+  whole.state.Update(0, whole.frames(), true);
   const Expected<std::vector<Vector3d>> known = PriorVariance(whole);
   if (!known) return Forward(known);
   const std::vector<Vector3d>& prior = *known;
   if (whole.options.poses) {
-    uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.end));
+    uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.frames()));
     uncertainty.poses.rest_sigma = *whole.rest_sigmas;
   }
   Freedom freedom;

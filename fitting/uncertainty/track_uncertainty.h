@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "core/motion/motion.h"
-#include "fitting/costs/pose_gaussian.h"
-#include "fitting/solver/track_window.h"
+#include "fitting/solver/track_problem.h"
+#include "fitting/terms/pose_gaussian.h"
 
 namespace mocurate {
 
@@ -32,6 +32,6 @@ struct PoseUncertainty {
 /// add theirs (PersistentResidualCovariance). After 0.6 s without observation, standard deviations grow with the gap's
 /// length (FindGapInflation). The a-posteriori variance is at least `least_factor`, for noise that residuals do not
 /// show. Error kInconsistent if the matrix cannot be factored.
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackWindow& window, double least_factor = 0.0);
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& window, double least_factor = 0.0);
 
 }  // namespace mocurate

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/median.h"
-#include "fitting/costs/huber.h"
+#include "fitting/terms/huber.h"
 
 namespace mocurate {
 namespace {
@@ -73,14 +73,14 @@ constexpr double kGross = 4.5;      ///< times the median departure: clamped the
 constexpr double kMostLags = 60.0;  ///< frames of lag, at most (numerical)
 
 /// Departures of each observed bone from the body's length, frame by frame; 0 where unobserved. Gross ones are clamped.
-std::vector<std::vector<double>> DeparturesOfBones(const TrackWindow& whole) {
+std::vector<std::vector<double>> DeparturesOfBones(const TrackProblem& whole) {
   std::vector<std::vector<double>> departures;
   std::vector<double> sizes;
   for (int j = 0; j < whole.tracks.joints(); ++j) {
     const int parent = whole.tracks.skeleton->joints[j].parent;
     if (parent < 0) continue;
-    std::vector<double> of_bone(static_cast<std::size_t>(whole.end), 0.0);
-    for (int f = 0; f < whole.end; ++f) {
+    std::vector<double> of_bone(static_cast<std::size_t>(whole.frames()), 0.0);
+    for (int f = 0; f < whole.frames(); ++f) {
       if (!whole.tracks.seen(f, j) || !whole.tracks.seen(f, parent)) continue;
       const Vector3d bone = whole.tracks.positions.at(f, j) - whole.tracks.positions.at(f, parent);
       of_bone[f] = bone.norm() - *whole.state.bone(j);
@@ -111,7 +111,7 @@ double Product(const std::vector<std::vector<double>>& departures, int lag) {
 
 }  // namespace
 
-double AutocorrelationInflation(const TrackWindow& whole, double averaged) {
+double AutocorrelationInflation(const TrackProblem& whole, double averaged) {
   const std::vector<std::vector<double>> departures = DeparturesOfBones(whole);
   const double square = Product(departures, 0);
   const double n = std::min(averaged, kMostLags);
@@ -139,9 +139,9 @@ struct ResidualSums {
 };
 
 /// (F+1) before each frame.
-std::vector<ResidualSums> SumsOf(const TrackWindow& whole, int joint, double factor) {
-  std::vector<ResidualSums> sums(static_cast<std::size_t>(whole.end) + 1);
-  for (int f = 0; f < whole.end; ++f) {
+std::vector<ResidualSums> SumsOf(const TrackProblem& whole, int joint, double factor) {
+  std::vector<ResidualSums> sums(static_cast<std::size_t>(whole.frames()) + 1);
+  for (int f = 0; f < whole.frames(); ++f) {
     ResidualSums next = sums[f];
     if (whole.tracks.seen(f, joint)) {
       const Vector3d away = whole.tracks.positions.at(f, joint) - whole.state.position(f, joint);
@@ -158,16 +158,16 @@ std::vector<ResidualSums> SumsOf(const TrackWindow& whole, int joint, double fac
 
 }  // namespace
 
-std::vector<float> PersistentResidualCovariance(const TrackWindow& whole, double factor) {
+std::vector<float> PersistentResidualCovariance(const TrackProblem& whole, double factor) {
   const std::vector<double>& time = whole.tracks.time_s;
   std::vector<float> covariance(6 * whole.tracks.confidence.size(), 0.0F);
   for (int j = 0; j < whole.tracks.joints(); ++j) {
     const std::vector<ResidualSums> sums = SumsOf(whole, j, factor);
     int begin = 0;
     int end = 0;
-    for (int f = 0; f < whole.end; ++f) {
+    for (int f = 0; f < whole.frames(); ++f) {
       while (time[begin] < time[f] - kReach_s) ++begin;
-      while (end < whole.end && time[end] <= time[f] + kReach_s) ++end;
+      while (end < whole.frames() && time[end] <= time[f] + kReach_s) ++end;
       if (sums[end].count - sums[begin].count < kMinAutocorrelationSamples) continue;
       const Vector3d pull = sums[end].pull - sums[begin].pull;
       const Eigen::LLT<Matrix3d> information(sums[end].information - sums[begin].information);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "fitting/evidence/skeleton_tracks.h"
-#include "fitting/solver/track_window.h"
+#include "fitting/solver/track_problem.h"
 
 namespace mocurate {
 
@@ -23,13 +23,13 @@ GapInflation FindGapInflation(const SkeletonTracks& tracks);
 /// over the lags k below n. rho is the autocorrelation of observed bones' departures from the body's lengths, which no
 /// pose explains. It is measured along bones and assumed across them. A common error of a whole body does not show in
 /// bones. 1 where neighbouring frames are hardly correlated. `whole` is the clip at its solution.
-double AutocorrelationInflation(const TrackWindow& whole, double averaged);
+double AutocorrelationInflation(const TrackProblem& whole, double averaged);
 
 /// Covariance (F*J*6; xx xy xz yy yz zz, m^2) where a joint's samples depart from the fit to one side for half a
 /// second, beyond their noise. Causes are bones or priors that do not fit, a local minimum (two cameras that face each
 /// other see a shoulder in front and one behind alike), or a persistent error of the tracker. It is the outer product
 /// of the mean departure, minus the part of noise. Departures are weighted by the robust information of the samples
 /// over `factor`, the a-posteriori variance. `whole` is the whole clip at its solution.
-std::vector<float> PersistentResidualCovariance(const TrackWindow& whole, double factor);
+std::vector<float> PersistentResidualCovariance(const TrackProblem& whole, double factor);
 
 }  // namespace mocurate

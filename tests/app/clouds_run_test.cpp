@@ -42,7 +42,7 @@ TEST(CloudsRun, ADatasetAndAReportWithoutImages) {
                 "\n  source:\n    name: scans\n    format: clouds\n    files: \"{recording}/scan_{frame}.ply\"\n"
                 "    units: m\n    axes: \"+x +y +z\"\n    rate: 10 Hz\n    person: p1\n"
                 "    recording: \"{recording}\"\n    label: \"\"\n"
-                "fitting: {method: point_clouds, point_clouds: {solver: banded}}\n");
+                "fitting: {method: point_clouds, solver: banded}\n");
   const program::Result run = program::RunProgram(
       folder,
       {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--json", "--set", "report.videos=false"});

@@ -105,7 +105,7 @@ TEST_F(FitVerbs, MotionsOfOtherTreesKeepTheirAnatomy) {
     const Result result =
         Fit(FirstFrames(data_ / "bvh/misc" / (std::string(file) + ".bvh"), 60, std::string(file) + ".bvh"),
             {"--skeleton", "smpl24", "--json", "--force", "--set", "fitting.joint_tracks.uncertainty=false", "--set",
-             "fitting.joint_tracks.solver=banded"});
+             "fitting.solver=banded"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_rms_mm"].get<double>(), 3.0) << file;
     const Motion motion = *Fitted().clips.at(0).motion;
@@ -137,7 +137,7 @@ TEST_F(FitVerbs, AMirroredWorldIsReported) {
 TEST_F(FitVerbs, ATreeThatDiffersFromItsNamesakeIsFitted) {
   const Result result = Fit(FirstFrames(data_ / "cmu/asf_amc/01_01.bvh", 200, "01_01.bvh"),
                             {"--skeleton", "smpl24", "--json", "--set", "fitting.joint_tracks.uncertainty=false",
-                             "--set", "fitting.joint_tracks.solver=banded"});
+                             "--set", "fitting.solver=banded"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_LT(result.Json()["clips"][0]["fit"]["residual_rms_mm"].get<double>(), 6.0);
 }
@@ -208,8 +208,7 @@ TEST_F(FitVerbs, ABodyIsOfAPersonOrOfARecording) {
 }
 
 TEST_F(FitVerbs, RecordingsOfNoPersonKnownAreBodiesOfTheirOwn) {
-  const std::vector<std::string> smpl = {"--skeleton", "smpl24", "--force",
-                                         "--json",     "--set",  "fitting.joint_tracks.solver=banded"};
+  const std::vector<std::string> smpl = {"--skeleton", "smpl24", "--force", "--json", "--set", "fitting.solver=banded"};
   const fs::path walk = data_ / "bvh/misc/olafhaag_walk01.bvh";
   FirstFrames(walk, 30, "walks/short.bvh"), FirstFrames(walk, 40, "walks/long.bvh");
   const Result own = Fit(folder_ / "walks", smpl);
@@ -240,7 +239,7 @@ TEST_F(FitVerbs, RenamedFilesOfASetAreFittedAsOfAnUnknownPerson) {
     fs::create_directories(folder);
     fs::copy_file(data_ / one.file, folder / one.name, fs::copy_options::overwrite_existing);
     if (*one.beside != 0) fs::copy_file(data_ / one.beside, folder / fs::path(one.beside).filename());
-    std::vector<std::string> more = {"--skeleton", "smpl24", "--force", "--set", "fitting.joint_tracks.solver=banded"};
+    std::vector<std::string> more = {"--skeleton", "smpl24", "--force", "--set", "fitting.solver=banded"};
     if (*one.source != 0) more.insert(more.end(), {"--source", one.source});
     const std::string named = *one.source != 0 ? one.source : "fit";
     const Result result = Fit(folder / one.name, more);

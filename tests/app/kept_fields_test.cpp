@@ -194,7 +194,7 @@ class DatasetsOfDatasets : public ::testing::Test {
 std::vector<std::string> FitTo(const std::string& skeleton) {
   return {"--skeleton", skeleton,
           "--set",      "fitting.joint_tracks.uncertainty=false",
-          "--set",      "fitting.joint_tracks.solver=banded",
+          "--set",      "fitting.solver=banded",
           "--set",      "proportions.body_of=recording"};
 }
 

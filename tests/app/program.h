@@ -132,7 +132,7 @@ inline std::vector<std::string> SmallJob(const ScratchFolder& folder, const std:
           "--set",
           "ingest.synthetic.duration=1.5 s",
           "--set",
-          "fitting.joint_tracks.solver=banded",
+          "fitting.solver=banded",
           "--set",
           "assemble.splits=[]"};
 }

@@ -32,7 +32,7 @@ class RigVerb : public ::testing::Test {
     fs::create_directory_symlink(*studio_ / "studio", folder_ / "studio");
     WriteText(folder_ / "job.yaml",
               "include: sources/studio_keypoints.yaml\nname: moved\nskeleton: smpl24\n"
-              "fitting: {method: keypoints, joint_tracks: {solver: banded}}\n");
+              "fitting: {method: keypoints, solver: banded}\n");
   }
 
   Result Audit(const std::vector<std::string>& more) {

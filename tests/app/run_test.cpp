@@ -35,8 +35,7 @@ int Items(const nlohmann::json& document) {
 TEST(Run, GivesTheSameBytesWithOneAndTwoJobsAndServesTheSecondRunFromTheCache) {
   const ScratchFolder folder;
   std::vector<std::string> one = SmallJob(folder, "one", "1"), two = SmallJob(folder, "two", "2");
-  for (std::vector<std::string>* job : {&one, &two})
-    job->insert(job->end(), {"--set", "fitting.joint_tracks.solver=ceres"});
+  for (std::vector<std::string>* job : {&one, &two}) job->insert(job->end(), {"--set", "fitting.solver=ceres"});
   one.emplace_back("--json");
   const Result first = RunProgram(folder, one, "cache1");
   ASSERT_EQ(first.exit_code, 0) << first.err;

@@ -150,7 +150,7 @@ TEST_F(Declarations, ARunReportsReplacedRotations) {
   std::vector<std::string> job = {"run", folder_ / "made.yaml", "-o", folder_ / "r"};
   for (const char* assignment :
        {"fitting.method=joint_tracks", "fitting.other_joints=exclude", "fitting.joint_tracks.uncertainty=false",
-        "fitting.joint_tracks.solver=banded", "skeleton=smpl24", "report.videos=false"}) {
+        "fitting.solver=banded", "skeleton=smpl24", "report.videos=false"}) {
     job.insert(job.end(), {"--set", assignment});
   }
   const Result text = RunProgram(folder_, job);

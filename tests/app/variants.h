@@ -43,7 +43,7 @@ inline Verdict RunJob(const ScratchFolder& folder, const std::string& job, const
   program::WriteText(folder / "job.yaml", job);
   const program::Result result =
       program::RunProgram(folder, {"run", (folder / "job.yaml").string(), "-o", (folder / "r").string(), "--to", to,
-                                   "--json", "--jobs", "1", "--set", "fitting.joint_tracks.solver=banded"});
+                                   "--json", "--jobs", "1", "--set", "fitting.solver=banded"});
   Verdict verdict;
   verdict.exit_code = result.exit_code;
   CollectCodes(nlohmann::json::parse(result.out, nullptr, false), verdict.codes);

@@ -39,13 +39,13 @@ struct Spent {
 };
 
 void Set(const std::string& name, double value, PointCloudOptions& options, CloudTakeOptions& takes) {
-  if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+  if (name == "ceres") options.solver = value != 0.0 ? PoseSolver::kCeres : PoseSolver::kBanded;
   if (name == "voxel_size") options.voxel_size = value;
   if (name == "max_distance") options.max_distance = value;
   if (name == "iterations") options.iterations = static_cast<std::int64_t>(value);
-  if (name == "rotation_process_noise") options.rotation_process_noise = value;
-  if (name == "velocity_process_noise") options.velocity_process_noise = value;
-  if (name == "rest_sigma") options.rest_sigma = value;
+  if (name == "rotation_process_noise") options.priors.rotation_noise = value;
+  if (name == "velocity_process_noise") options.priors.position_noise = value;
+  if (name == "rest_sigma") options.priors.rest = value;
   if (name == "huber_sigmas") options.huber_sigmas = value;
   if (name == "room") takes.room = value != 0.0;
   if (name == "stills") takes.stills = value != 0.0;
@@ -125,7 +125,7 @@ Status AddMix(const CloudTake& take, const std::vector<FusedCloud>& clouds, cons
               const PointCloudOptions& options, benchmarks::ClipLines& lines, MixScore& score) {
   const FittingOptions given = benchmarks::OptionsWithout();
   JointTrackOptions track_options = given.joint_tracks;
-  track_options.solver = TrackSolver::kBanded;
+  track_options.solver = PoseSolver::kBanded;
   track_options.poses = true;
   const double begin = CpuSeconds();
   const auto tracks = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
@@ -154,7 +154,7 @@ Status TakeBodyOfBoth(const std::vector<CloudTake>& takes, const SkeletonPtr& sk
   std::vector<Motion> motions;
   const FittingOptions given = benchmarks::OptionsWithout();
   JointTrackOptions track_options = given.joint_tracks;
-  track_options.solver = TrackSolver::kBanded;
+  track_options.solver = PoseSolver::kBanded;
   for (const CloudTake& take : takes) {
     const auto fit = RepairAndFit(OnBody(take.clip.tracks, person.skeleton), take.clip.truth.rate, person.bone_length,
                                   given.repair, track_options);
@@ -187,7 +187,7 @@ int main(int argc, char** argv) {
   using namespace mocurate;
   CloudTakeOptions wanted;
   PointCloudOptions options = benchmarks::OptionsWithout().point_clouds;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const std::filesystem::path folder = GivenTakes(argc, argv, "/tmp/bench_fit_clouds", wanted);
   std::map<std::string, double> given = GivenNumbers(argc, argv, 5);
   for (const auto& [name, value] : given) Set(name, value, options, wanted);

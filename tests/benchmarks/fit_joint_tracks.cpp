@@ -20,7 +20,7 @@ ProportionsOptions MediansOnly() {
 }
 
 /// Unknown bones: medians, then one fit; the time includes both.
-void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& path, TrackSolver solver,
+void BM_ReferenceProblem(benchmark::State& state, const std::filesystem::path& path, PoseSolver solver,
                          double tolerance) {
   const ReferenceProblem problem = ReadReferenceProblem(path);
   JointTrackOptions options;
@@ -59,7 +59,7 @@ std::vector<SkeletonTracks> KardPerson(const std::filesystem::path& folder, cons
 }
 
 /// One clip of each of KARD's 18 activities, one person; proportions before the clock starts.
-void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, TrackSolver solver, double tolerance) {
+void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, PoseSolver solver, double tolerance) {
   const auto skeleton = LoadSkeleton("openni16");
   if (!skeleton) return state.SkipWithError(skeleton.error().Message().c_str());
   const std::vector<SkeletonTracks> clips = KardPerson(folder, *skeleton);
@@ -92,10 +92,10 @@ void BM_Kard(benchmark::State& state, const std::filesystem::path& folder, Track
 void RegisterAll() {
   const std::filesystem::path problems = ReferenceFolder();
   const char* data = std::getenv("MOCURATE_DATA");
-  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+  for (const PoseSolver solver : {PoseSolver::kCeres, PoseSolver::kBanded}) {
     for (const double tolerance : {1e-4, 1e-6}) {
       const std::string method =
-          std::string(solver == TrackSolver::kCeres ? "/ceres" : "/banded") + (tolerance == 1e-4 ? "/1e-4" : "/1e-6");
+          std::string(solver == PoseSolver::kCeres ? "/ceres" : "/banded") + (tolerance == 1e-4 ? "/1e-4" : "/1e-6");
       for (const std::string name : {"platform_seed0", "platform_seed1", "platform_seed2", "platform_dropouts5_seed0",
                                      "platform_dropouts5_seed1"}) {
         if (problems.empty()) break;

@@ -112,8 +112,8 @@ int main(int argc, char** argv) {
   const std::vector<Actor> actors = ActorsOfTakes(wanted, *shape);
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   FittingOptions options = benchmarks::OptionsWithout();
-  options.joint_tracks.solver = TrackSolver::kBanded;
-  options.point_clouds.solver = TrackSolver::kBanded;
+  options.joint_tracks.solver = PoseSolver::kBanded;
+  options.point_clouds.solver = PoseSolver::kBanded;
   Scores scores;
   benchmarks::ClipLines lines(argc, argv);
   for (int person = 1; person <= wanted.subjects; ++person) {

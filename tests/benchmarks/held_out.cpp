@@ -235,13 +235,13 @@ int main(int argc, char** argv) {
   if (!skeleton) return std::fprintf(stderr, "%s\n", skeleton.error().Message().c_str()), 1;
   const FittingOptions given = benchmarks::OptionsWithout();
   JointTrackOptions options = given.joint_tracks;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   double noise = 0.03;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 4)) {
     if (name == "noise") noise = value;
-    if (name == "rotation_process_noise") options.rotation_process_noise = value;
-    if (name == "velocity_process_noise") options.velocity_process_noise = value;
-    if (name == "rest_sigma") options.rest_sigma = value;
+    if (name == "rotation_process_noise") options.priors.rotation_noise = value;
+    if (name == "velocity_process_noise") options.priors.position_noise = value;
+    if (name == "rest_sigma") options.priors.rest = value;
     if (name == "contact_process_noise")
       options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "huber_sigmas") options.huber_sigmas = value;

@@ -216,7 +216,7 @@ int main(int argc, char** argv) {
   bool body_25 = false;
   KeypointOptions detector = FourViews(0).keypoints;
   detector.noise = argument(3, 4.0);
-  options.joint_tracks.solver = TrackSolver::kBanded;
+  options.joint_tracks.solver = PoseSolver::kBanded;
   for (const auto& [name, value] : GivenNumbers(argc, argv, 5)) {
     if (name == "frames") longest = static_cast<int>(value);
     if (name == "audit" && value == 0.0) {
@@ -226,8 +226,8 @@ int main(int argc, char** argv) {
     if (name == "contact_process_noise")
       options.joint_tracks.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
     if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
-    if (name == "rotation_process_noise") options.joint_tracks.rotation_process_noise = value;
-    if (name == "velocity_process_noise") options.joint_tracks.velocity_process_noise = value;
+    if (name == "rotation_process_noise") options.joint_tracks.priors.rotation_noise = value;
+    if (name == "velocity_process_noise") options.joint_tracks.priors.position_noise = value;
     if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
     if (name == "true_bones") true_bones = value != 0.0;
@@ -235,7 +235,7 @@ int main(int argc, char** argv) {
     if (name == "body_25") body_25 = value != 0.0;
     if (name == "wrong") detector.wrong_share = value;
     if (name == "missed") detector.miss_share = value;
-    if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+    if (name == "ceres") options.joint_tracks.solver = value != 0.0 ? PoseSolver::kCeres : PoseSolver::kBanded;
   }
   std::optional<BodyTemplate> shapes;
   if (body_25) {

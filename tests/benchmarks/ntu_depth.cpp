@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
                    audited->report.loss[v], audited->report.loss_after[v]);
     }
     FittingOptions options;
-    options.joint_tracks.solver = options.point_clouds.solver = TrackSolver::kBanded;
+    options.joint_tracks.solver = options.point_clouds.solver = PoseSolver::kBanded;
     options.joint_tracks.poses = true;
     const auto given_tracks = TracksOfClip(clip, skeleton, OtherJoints::kRefuse);
     if (!given_tracks) {

@@ -146,7 +146,7 @@ int main(int argc, char** argv) {
   const auto skeleton = LoadSkeleton(argv[2]);
   if (!skeleton) return std::fprintf(stderr, "%s\n", skeleton.error().Message().c_str()), 1;
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.uncertainty = false;
   if (argc > 4) options.steps = StepsWithRefits(std::atoi(argv[4] + std::string("walk_refits=").size()));
   Row row;

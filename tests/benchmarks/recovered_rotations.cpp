@@ -26,7 +26,7 @@ constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 /// Fits positions alone; the recorded rotations are the reference.
 JointTrackOptions Banded() {
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.recorded_rotations = false;
   return options;
 }

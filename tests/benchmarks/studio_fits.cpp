@@ -31,14 +31,14 @@ namespace {
 
 void Set(const std::string& name, double value, JointTrackOptions& options, RepairOptions& repair,
          StudioClipErrors& errors) {
-  if (name == "rotation_process_noise") options.rotation_process_noise = value;
-  if (name == "velocity_process_noise") options.velocity_process_noise = value;
-  if (name == "rest_sigma") options.rest_sigma = value;
+  if (name == "rotation_process_noise") options.priors.rotation_noise = value;
+  if (name == "velocity_process_noise") options.priors.position_noise = value;
+  if (name == "rest_sigma") options.priors.rest = value;
   if (name == "contact_process_noise")
     options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
   if (name == "huber_sigmas") options.huber_sigmas = value;
   if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
-  if (name == "ceres") options.solver = value != 0.0 ? TrackSolver::kCeres : TrackSolver::kBanded;
+  if (name == "ceres") options.solver = value != 0.0 ? PoseSolver::kCeres : PoseSolver::kBanded;
   if (name == "repair_swaps") repair.swaps = value != 0.0;
   if (name == "swap_margin") repair.swap_margin = value;
   if (name == "uncertainty") options.uncertainty = value != 0.0;
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
   const double rate_hz = argc > 4 ? std::atof(argv[4]) : 30.0;
   const FittingOptions given = benchmarks::OptionsWithout();
   JointTrackOptions options = given.joint_tracks;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   RepairOptions repair = given.repair;
   StudioClipErrors errors = StudioClipErrors::Stated();
   bool true_bones = false;

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/base/config.h"
-#include "fitting/clouds/cloud_equations.h"
+#include "fitting/clouds/cloud_terms.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/options.h"
 #include "fitting/solver/joint_track_fit.h"
@@ -35,7 +35,7 @@ SkeletonTracks FaultyTracks() {
 FitResult FitWith(const Rules& rules) {
   const SkeletonTracks tracks = FaultyTracks();
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.rules = rules;
   auto fit = FitJointTracks(tracks, FrameRate::FromHz(30.0), tracks.skeleton->RestBoneLengths(), options);
   EXPECT_TRUE(fit.has_value()) << fit.error().Message();

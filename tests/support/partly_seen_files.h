@@ -542,7 +542,7 @@ inline std::string CloudFiles(const fs::path& folder, const Seen& seen) {
   return Job(folder, "smpl24",
              {"format: clouds", "files: \"{recording}/scan_{frame}.ply\"", "units: m", "axes: \"+x +y +z\"",
               "rate: 30 Hz", "person: p", "recording: \"{recording}\"", "label: \"\""},
-             "fitting: {method: point_clouds, point_clouds: {solver: banded}}\n");
+             "fitting: {method: point_clouds, solver: banded}\n");
 }
 
 // Formats that are read, and that no variant above needs.

@@ -158,7 +158,7 @@ TEST_F(StageVersions, FittingOfDepthAndKeypoints) {
     FittingOptions options;
     options.skeleton = "smpl24";
     options.method = method;
-    options.joint_tracks.solver = options.point_clouds.solver = TrackSolver::kBanded;
+    options.UseSolver(PoseSolver::kBanded);
     Judge(FittingDeclaration(), name,
           {clip.id(), OptionsToJson(options), {Input("evidence", clip.id(), "evidence.h5")}}, kSolved);
   }

@@ -43,7 +43,7 @@ std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
   state.Update(0, 10, true);
   const double sigma = 0.005;
   const JointTrackOptions options;
-  return CovarianceOfBody({take.tracks, state, sigma, options, 0, 10});
+  return CovarianceOfBody(TrackProblem(take.tracks, state, sigma, options));
 }
 
 TEST(BodySigma, IsEmptyWhereAllJointsAreObserved) { EXPECT_TRUE(OfTakeWithout({}).empty()); }

@@ -66,7 +66,7 @@ TEST_P(HipsOfATracker, PointTowardsTheTrunkOfUprightFrames) {
   for (const int hip : {left, right})
     EXPECT_LT(DegreesBetween(person.skeleton->joints[hip].rest_offset, body->joints[hip].rest_offset), 6.0);
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const SkeletonTracks upright = OnBody(CutTracks(take.tracks, 0, 60), person.skeleton);
   const auto fit = FitJointTracks(upright, take.truth.rate, person.bone_length, options);
   ASSERT_TRUE(fit.has_value());

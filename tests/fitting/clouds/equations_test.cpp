@@ -1,13 +1,10 @@
-#include "fitting/clouds/cloud_equations.h"
-
-#include <ceres/crs_matrix.h>
 #include <gtest/gtest.h>
 
 #include "core/base/random.h"
 #include "core/motion/skeleton.h"
 #include "fitting/clouds/capsule_fit.h"
-#include "fitting/clouds/cloud_problem.h"
-#include "fitting/costs/huber.h"
+#include "fitting/clouds/cloud_terms.h"
+#include "tests/fitting/term_rows.h"
 
 namespace mocurate {
 namespace {
@@ -41,37 +38,21 @@ class Cloud : public testing::Test {
     matches_ = MatchPoints(body_, state_, 1, cloud_, 0.1);
   }
 
-  FrameTerms Terms(const std::vector<FixedNeighbourFrame>& neighbours,
-                   const std::vector<JointObservation>& joints = {}) {
-    const double share = PatchShare(options_);
-    return {1, cloud_, matches_, share / kSigma, share * options_.huber_sigmas, neighbours, joints};
+  PoseTerms Terms(const std::vector<FixedNeighbourFrame>& neighbours, const std::vector<PointTerm>& joints = {},
+                  const PoseGaussian* pose = nullptr) {
+    FrameFit fit;
+    fit.frame = 1;
+    fit.held = neighbours;
+    fit.joints = joints;
+    fit.pose = pose;
+    PoseTerms terms = CloudTerms(body_, options_);
+    terms.frames = {TermsOfFit(body_, cloud_, fit, matches_, kSigma, options_)};
+    return terms;
   }
 
-  /// Cost, gradient and J'J of the Ceres problem.
-  void ExpectSameAsCeres(const FrameTerms& terms) {
-    CloudProblem problem(body_, state_, terms, options_);
-    ceres::Problem::EvaluateOptions evaluate;
-    evaluate.parameter_blocks.push_back(state_.translation(1));
-    for (int j = 0; j < state_.joints(); ++j) {
-      if (state_.active(j)) evaluate.parameter_blocks.push_back(state_.rotation(1, j));
-    }
-    double cost = 0.0;
-    std::vector<double> gradient;
-    ceres::CRSMatrix jacobian;
-    ASSERT_TRUE(problem.problem().Evaluate(evaluate, &cost, nullptr, &gradient, &jacobian));
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(jacobian.num_rows, jacobian.num_cols);
-    for (int r = 0; r < jacobian.num_rows; ++r) {
-      for (int i = jacobian.rows[r]; i < jacobian.rows[r + 1]; ++i) rows(r, jacobian.cols[i]) = jacobian.values[i];
-    }
-    const Eigen::MatrixXd square = (rows.transpose() * rows).triangularView<Eigen::Upper>();
-    CloudEquations equations(body_, state_, terms, options_);
-    equations.SetParameters(equations.Parameters());
-    EXPECT_NEAR(equations.Cost(), cost, 1e-9 * cost);
-    equations.Linearise();
-    const Eigen::Map<const Eigen::VectorXd> expected(gradient.data(), static_cast<Eigen::Index>(gradient.size()));
-    EXPECT_LT((equations.gradient() - expected).norm(), 1e-9 * expected.norm());
-    const Eigen::MatrixXd own = equations.matrix().triangularView<Eigen::Upper>();
-    EXPECT_LT((own - square).norm(), 1e-9 * square.norm());
+  void ExpectRows(const PoseTerms& terms) {
+    ExpectSameEquations(terms, state_);
+    ExpectDerivatives(terms, state_, 1e-6, 1e-4);  // a point may pass the end of its axis
   }
 
   static constexpr double kSigma = 0.01;
@@ -83,20 +64,20 @@ class Cloud : public testing::Test {
   PointCloudOptions options_;
 };
 
-TEST_F(Cloud, EquationsOfAFrameMatchCeres) { ExpectSameAsCeres(Terms({})); }
+TEST_F(Cloud, EquationsOfAFrameMatchCeres) { ExpectRows(Terms({})); }
 
-TEST_F(Cloud, EquationsBesideOneFixedFrameMatchCeres) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}})); }
+TEST_F(Cloud, EquationsBesideOneFixedFrameMatchCeres) { ExpectRows(Terms({{-1, 1.0 / 30.0}})); }
 
-TEST_F(Cloud, EquationsBetweenTwoFixedFramesMatchCeres) { ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}, {1, 0.1}})); }
+TEST_F(Cloud, EquationsBetweenTwoFixedFramesMatchCeres) { ExpectRows(Terms({{-1, 1.0 / 30.0}, {1, 0.1}})); }
 
 TEST_F(Cloud, EquationsWithObservedJointsMatchCeres) {
-  std::vector<JointObservation> joints;
+  std::vector<PointTerm> joints;
   for (int j = 0; j < state_.joints(); ++j) {
     Matrix3d whitening = (40.0 + j) * Matrix3d::Identity();
     whitening.row(j % 3) *= j % 2 == 0 ? 0.1 : 0.0;  // little or no precision along rays
     joints.push_back({j, state_.position(1, j) + Vector3d(0.01 * j, 0.02, -0.01), whitening});
   }
-  ExpectSameAsCeres(Terms({{-1, 1.0 / 30.0}}, joints));
+  ExpectRows(Terms({{-1, 1.0 / 30.0}}, joints));
 }
 
 /// What the fit of tracks knows: the root and the joints `known`, with correlated errors.
@@ -120,8 +101,7 @@ PoseGaussian KnownPose(const PoseState& state, int frame, std::vector<int> known
 
 TEST_F(Cloud, EquationsWithAKnownPoseMatchCeres) {
   const PoseGaussian pose = KnownPose(state_, 1, {0, 1, 4, 6, 16, 18});
-  FrameTerms terms{1, cloud_, matches_, 10.0, 1.0, {{-1, 1.0 / 30.0}}, {}, &pose};
-  ExpectSameAsCeres(terms);
+  ExpectRows(Terms({{-1, 1.0 / 30.0}}, {}, &pose));
 }
 
 /// Without points the pose is as certain as the other evidence says: its rest pose and limits are not counted again.
@@ -131,13 +111,15 @@ TEST_F(Cloud, WithoutPointsAKnownPoseKeepsItsCovariance) {
     if (state_.active(j)) moving.push_back(j);
   }
   const PoseGaussian pose = KnownPose(state_, 1, moving, 1e6);  // more than the rest pose of depth fits
-  const std::vector<CloudMatch> none;
-  CloudEquations equations(body_, state_, {1, cloud_, none, 10.0, 1.0, {}, {}, &pose}, options_);
-  const auto solution = SolveCloudEquations(equations, 100, 1e-14);
+  matches_.clear();
+  const PoseTerms terms = Terms({}, {}, &pose);
+  const auto solution = Solve(terms, state_, {PoseSolver::kBanded, 1e-14, 100});
   ASSERT_TRUE(solution.has_value());
   EXPECT_LT(solution->final_cost, 1e-9);
-  equations.Linearise();
-  const Eigen::MatrixXd information = equations.matrix().selfadjointView<Eigen::Upper>();
+  PoseEquations equations(state_);
+  BlockTridiagonal banded(1, equations.columns().size());
+  equations.Linearise(terms, state_, banded);
+  const Eigen::MatrixXd information = banded.Diagonal(0).selfadjointView<Eigen::Upper>();
   Eigen::MatrixXd expected = pose.whitening.transpose() * pose.whitening;
   for (std::size_t k = 0; k < moving.size(); ++k) {
     const Matrix3d& jacobian = state_.right_jacobian(1, moving[k]);
@@ -150,10 +132,10 @@ TEST_F(Cloud, WithoutPointsAKnownPoseKeepsItsCovariance) {
 
 TEST_F(Cloud, SomePointsLieInTheLinearPartOfTheLoss) {
   int linear = 0;
-  const FrameTerms terms = Terms({});
+  const SurfaceTerm surface = Terms({}).frames.front().surface;
   for (const CloudMatch& match : matches_) {
-    const double whitened = terms.weight * match.distance;
-    linear += HuberSlope(whitened * whitened, terms.huber) < 1.0 ? 1 : 0;
+    const double whitened = surface.weight * match.distance;
+    linear += HuberSlope(whitened * whitened, surface.huber) < 1.0 ? 1 : 0;
   }
   EXPECT_GT(linear, 10);
   EXPECT_LT(linear, 400);
@@ -161,7 +143,7 @@ TEST_F(Cloud, SomePointsLieInTheLinearPartOfTheLoss) {
 
 /// What is minimised between two matchings is what poses are compared by.
 TEST_F(Cloud, TheCostFallsFromMatchingToMatching) {
-  options_.solver = TrackSolver::kBanded;
+  options_.solver = PoseSolver::kBanded;
   const PoseGaussian pose = KnownPose(state_, 1, {0, 1, 4, 6, 16, 18});
   for (const PoseGaussian* known : {static_cast<const PoseGaussian*>(nullptr), &pose}) {
     PoseState state = state_;
@@ -188,15 +170,24 @@ TEST_F(Cloud, TheCostFallsFromMatchingToMatching) {
   }
 }
 
-TEST_F(Cloud, SolveLowersTheCostToAVanishingGradient) {
-  CloudEquations equations(body_, state_, Terms({{-1, 1.0}}), options_);
-  const auto solution = SolveCloudEquations(equations, 100, 1e-14);
-  ASSERT_TRUE(solution.has_value());
-  EXPECT_LT(solution->final_cost, 0.9 * solution->initial_cost);
-  EXPECT_NEAR(equations.Cost(), solution->final_cost, 1e-9 * solution->final_cost);
-  equations.Linearise();
-  const Eigen::VectorXd scale = equations.matrix().diagonal().cwiseSqrt();
-  EXPECT_LT(equations.gradient().cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-2);
+TEST_F(Cloud, BothSolversLowerTheCostToTheSameVanishingGradient) {
+  const PoseTerms terms = Terms({{-1, 1.0}});
+  const std::vector<double> start = state_.FrameParameters(1);
+  std::vector<double> costs;
+  for (const PoseSolver solver : {PoseSolver::kBanded, PoseSolver::kCeres}) {
+    state_.SetFrameParameters(1, start);
+    const auto solution = Solve(terms, state_, {solver, 1e-14, 100});
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_LT(solution->final_cost, 0.9 * solution->initial_cost);
+    EXPECT_NEAR(Cost(terms, state_), solution->final_cost, 1e-9 * solution->final_cost);
+    PoseEquations equations(state_);
+    BlockTridiagonal banded(1, equations.columns().size());
+    equations.Linearise(terms, state_, banded);
+    const Eigen::VectorXd scale = banded.DiagonalEntries().cwiseSqrt();
+    EXPECT_LT(banded.GradientEntries().cwiseQuotient(scale).cwiseAbs().maxCoeff(), 1e-2);
+    costs.push_back(solution->final_cost);
+  }
+  EXPECT_NEAR(costs[0], costs[1], 1e-6 * costs[0]);
 }
 
 /// Brute force over every point and capsule, without bounding spheres.

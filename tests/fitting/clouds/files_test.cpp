@@ -140,7 +140,7 @@ class CloudFilesOfStudio : public ::testing::Test {
   void SetUp() override {
     if (takes_.empty()) GTEST_SKIP() << "MOCURATE_DATA is not set";
     skeleton_ = *LoadSkeleton("smpl24");
-    options_.solver = TrackSolver::kBanded;
+    options_.solver = PoseSolver::kBanded;
   }
 
   static std::vector<Clip> Clips(const std::function<void(const CloudTake&, Evidence&)>& evidence_of) {
@@ -254,7 +254,7 @@ TEST_F(CloudFilesOfStudio, StagesIngestMeasureAndFit) {
   StageRequest request;
   request.inputs = item.inputs;
   request.inputs.push_back({"evidence", clip->id(), evidence, std::string(64, 'a')});
-  request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
+  request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}};
   request.stage = "proportions";
   request.item = "p1";
   request.output = FolderOfClouds() / "proportions.json";
@@ -262,6 +262,7 @@ TEST_F(CloudFilesOfStudio, StagesIngestMeasureAndFit) {
   ASSERT_TRUE(measured) << measured.error().Message();
   request.inputs.push_back({"proportions", "p1", request.output, ""});
   request.stage = "fitting";
+  request.options["solver"] = "banded";
   request.item = clip->id();
   request.output = FolderOfClouds() / "fit.h5";
   request.options["point_clouds"]["start"] = {{"facing", takes_[0].reported_heading}};

@@ -73,7 +73,7 @@ TEST(CloudFit, FindsAPersonWhoFacesAwayFromTheFirstCamera) {
 /// The solver of the same costs that is several times faster than Ceres.
 PointCloudOptions QuickOptions() {
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   return options;
 }
 
@@ -404,7 +404,7 @@ TEST_F(RenderedSequenceFit, ViewsOfOnePersonAgreeWhereTheyOverlap) {
 
 TEST_F(RenderedSequenceFit, JointsLieNearTheTruthWithBonesFromTheClouds) {
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const auto bones = MeasureBodyInClouds({sequence_.clip}, skeleton_, options);
   ASSERT_TRUE(bones) << bones.error().Message();
   const auto fit = FitClouds(sequence_.clip, bones->skeleton, bones->bone_length, options);

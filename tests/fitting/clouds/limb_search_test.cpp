@@ -43,7 +43,7 @@ double FarthestWrist(const PoseState& state, const Motion& truth) {
 
 PointCloudOptions BandedClouds() {
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   return options;
 }
 

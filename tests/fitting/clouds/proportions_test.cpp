@@ -47,7 +47,8 @@ class DepthProportions : public ::testing::Test {
     StageRequest request;
     request.stage = stage;
     request.item = item;
-    request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}, {"point_clouds", {{"solver", "banded"}}}};
+    request.options = {{"skeleton", "smpl24"}, {"method", "point_clouds"}};
+    if (stage == "fitting") request.options["solver"] = "banded";
     for (Clip clip : clips) {
       for (DepthView& view : clip.evidence.depth_views) view.sha256 = {*Sha256OfFile(view.files[0])};
       const std::filesystem::path path = folder_ / (clip.identity.recording + ".h5");
@@ -108,7 +109,7 @@ TEST_F(DepthProportions, FollowTheDeclaredHeight) {
 TEST_F(DepthProportions, HeightThatThePointsContradictIsAnError) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   for (const double scale : {kTaller, 0.5}) {
     std::vector<double> bones = skeleton->RestBoneLengths();
     for (double& bone : bones) bone *= scale;
@@ -131,7 +132,7 @@ TEST_F(DepthProportions, ReportLegsThatNoViewShows) {
   std::vector<double> bones = skeleton->RestBoneLengths();
   for (double& bone : bones) bone *= kTaller;
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.start.posture = StartPosture::kStanding;
   const auto unobserved_limbs = [&] {
     const auto fit = FitClouds(clips_[0], skeleton, bones, options);

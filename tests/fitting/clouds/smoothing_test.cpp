@@ -6,6 +6,8 @@
 
 #include "core/base/random.h"
 #include "core/motion/skeleton.h"
+#include "fitting/clouds/cloud_terms.h"
+#include "fitting/solver/pose_equations.h"
 
 namespace mocurate {
 namespace {
@@ -21,7 +23,7 @@ class Chain : public testing::Test {
         body_(CapsuleBody::Make(skeleton_, 1.0)),
         truth_(*skeleton_, kFrames, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
     Random random(11, "chain");
-    options_.solver = TrackSolver::kBanded;
+    options_.solver = PoseSolver::kBanded;
     const int shoulder = *skeleton_->FindJoint("left_shoulder");
     for (int f = 0; f < kFrames; ++f) {
       Eigen::Map<Vector3d>(truth_.translation(f)) = Vector3d(0.1, 0.9, 0.03 * f);
@@ -130,19 +132,19 @@ TEST_F(Chain, NeighboursSayWhereAHiddenArmIs) {
 /// Process noise between two frames, 1/2 |r|^2, written down anew.
 double StepCost(const PoseState& state, int frame, double seconds, const PointCloudOptions& options) {
   double square = (state.position(frame + 1, 0) - state.position(frame, 0)).squaredNorm() /
-                  (options.velocity_process_noise * options.velocity_process_noise);
+                  (options.priors.position_noise * options.priors.position_noise);
   for (int j = 0; j < state.joints(); ++j) {
     if (!state.active(j)) continue;
     const Eigen::AngleAxisd between(state.local(frame, j).transpose() * state.local(frame + 1, j));
-    square += between.angle() * between.angle() / (options.rotation_process_noise * options.rotation_process_noise);
+    square += between.angle() * between.angle() / (options.priors.rotation_noise * options.priors.rotation_noise);
   }
   return 0.5 * square / seconds;
 }
 
-/// Two frames: gradient and information of process noise by differences, those of the frames by CloudEquations.
+/// Two frames: gradient and information of process noise by differences, those of the frames by PoseEquations.
 TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
   chain_.resize(2);
-  options_.rotation_process_noise = 0.1;
+  options_.priors.rotation_noise = 0.1;
   PoseState state = Start();
   for (int i = 0; i < 3; ++i) (void)SmoothChain(body_, clouds_, chain_, time_s_, options_, state);
   std::vector<double> sigma;
@@ -154,20 +156,21 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
   }
   const std::vector<CloudUncertainty> stated = Smoothed(state);
 
-  const double share = PatchShare(options_);
-  std::vector<std::vector<CloudMatch>> matches;
-  std::vector<CloudEquations> equations;
-  for (int f = 0; f < 2; ++f) matches.push_back(MatchPoints(body_, state, f, clouds_[f], options_.max_distance));
+  PoseEquations equations(state);
+  std::vector<PoseTerms> terms;
   for (int f = 0; f < 2; ++f) {
-    equations.push_back(
-        {body_, state, {f, clouds_[f], matches[f], share / sigma[f], share * options_.huber_sigmas}, options_});
+    terms.push_back(CloudTerms(body_, options_));
+    terms.back().frames = {TermsOfFit(body_, clouds_[f], chain_[f],
+                                      MatchPoints(body_, state, f, clouds_[f], options_.max_distance), sigma[f],
+                                      options_)};
   }
-  const Eigen::Index n = equations[0].Parameters().size();
+  const PoseColumns& columns = equations.columns();
+  const Eigen::Index n = columns.size();
   Eigen::VectorXd here(2 * n);
-  here << equations[0].Parameters(), equations[1].Parameters();
+  here << columns.Read(terms[0], state), columns.Read(terms[1], state);
   const auto cost = [&](const Eigen::VectorXd& at) {
-    equations[0].SetParameters(at.head(n));
-    equations[1].SetParameters(at.tail(n));
+    columns.Write(terms[0], at.head(n), state);
+    columns.Write(terms[1], at.tail(n), state);
     return StepCost(state, 0, kStep_s, options_);
   };
   constexpr double kDifference = 1e-4;
@@ -185,9 +188,10 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
   }
   cost(here);
   for (int f = 0; f < 2; ++f) {
-    equations[f].Linearise();
-    gradient.segment(f * n, n) += equations[f].gradient();
-    information.block(f * n, f * n, n, n) += Eigen::MatrixXd(equations[f].matrix().selfadjointView<Eigen::Upper>());
+    BlockTridiagonal banded(1, static_cast<int>(n));
+    equations.Linearise(terms[f], state, banded);
+    gradient.segment(f * n, n) += banded.Gradient(0);
+    information.block(f * n, f * n, n, n) += Eigen::MatrixXd(banded.Diagonal(0).selfadjointView<Eigen::Upper>());
   }
   const Eigen::MatrixXd covariance = information.inverse();
   // What is left of a step is far below the standard deviation.
@@ -195,7 +199,7 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
   EXPECT_LT(step.cwiseAbs().maxCoeff(), 0.5);
   for (int f = 0; f < 2; ++f) {
     const CloudUncertainty dense = UncertaintyOfCovariance(
-        equations[f], f, Eigen::MatrixXd(covariance.block(f * n, f * n, n, n)), state, options_);
+        columns, *skeleton_, f, Eigen::MatrixXd(covariance.block(f * n, f * n, n, n)), state, options_);
     for (std::size_t j = 0; j < dense.position.size(); ++j)
       EXPECT_NEAR(stated[f].position[j].trace(), dense.position[j].trace(), 0.1 * dense.position[j].trace()) << j;
   }

@@ -55,7 +55,7 @@ TEST(RenderedStills, FitsASquatWithAnUnknownFacing) {
   const auto still = ReadStill(std::filesystem::path(data) / "clouds" / "rendered_body", "female_squat");
   ASSERT_TRUE(still) << still.error().Message();
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const auto bones = MeasureBodyInClouds({still->clip}, *LoadSkeleton("smpl24"), options);
   ASSERT_TRUE(bones) << bones.error().Message();
   const auto fit = FitClouds(still->clip, bones->skeleton, bones->bone_length, options);

@@ -41,7 +41,7 @@ class StudioClouds : public ::testing::Test {
       clips_.back().rate = take.clip.truth.rate;
     }
     skeleton_ = *LoadSkeleton("smpl24");
-    options_.solver = TrackSolver::kBanded;
+    options_.solver = PoseSolver::kBanded;
     if (clips_.empty()) return;
     const BodyFromClouds body = *MeasureBodyInClouds(clips_, skeleton_, options_);
     person_ = body.skeleton;
@@ -77,7 +77,7 @@ class StudioClouds : public ::testing::Test {
     const auto known = fits.find(take);
     if (known != fits.end()) return known->second;
     JointTrackOptions options;
-    options.solver = TrackSolver::kBanded;
+    options.solver = PoseSolver::kBanded;
     options.poses = true;
     static const Expected<BodyFromClouds> body = BodyOfBothModalities(options);
     if (!body) return fits.emplace(take, Forward(body)).first->second;
@@ -339,7 +339,7 @@ TEST_F(StudioClouds, WithTracksBothSolversFindTheSamePose) {
   const auto clouds = FuseClip(clips_[2], options_);
   const auto banded = FitTracksAndClouds(*tracks, *clouds, options_);
   PointCloudOptions options = options_;
-  options.solver = TrackSolver::kCeres;
+  options.solver = PoseSolver::kCeres;
   const auto ceres = FitTracksAndClouds(*tracks, *clouds, options);
   ASSERT_TRUE(banded && ceres);
   double furthest = 0.0;

@@ -42,7 +42,7 @@ TEST_F(Turntable, EveryViewAgreesWithTheOthers) {
 TEST_F(Turntable, ThreeViewsGiveTheSameJointsAsAll) {
   const SkeletonPtr skeleton = *LoadSkeleton("smpl24");
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.voxel_size = 0.02;
   const auto bones = MeasureBodyInClouds({clip_}, skeleton, options);
   ASSERT_TRUE(bones) << bones.error().Message();

@@ -43,8 +43,8 @@ class MixedTakes : public ::testing::Test {
     actors_ = new std::vector<Actor>(ActorsOfTakes(wanted, *shape_));
     skeleton_ = *LoadSkeleton("smpl24");
     options_.method = FitMethod::kKeypointsAndClouds;
-    options_.joint_tracks.solver = TrackSolver::kBanded;
-    options_.point_clouds.solver = TrackSolver::kBanded;
+    options_.joint_tracks.solver = PoseSolver::kBanded;
+    options_.point_clouds.solver = PoseSolver::kBanded;
     // The person's bodies for both modalities, from noisy takes.
     std::vector<SkeletonTracks> tracks;
     std::vector<Clip> clips;

@@ -32,7 +32,7 @@ FittingOptions Banded() {
   FittingOptions options;
   options.method = FitMethod::kKeypoints;
   options.skeleton = "smpl24";
-  options.joint_tracks.solver = TrackSolver::kBanded;
+  options.joint_tracks.solver = PoseSolver::kBanded;
   return options;
 }
 

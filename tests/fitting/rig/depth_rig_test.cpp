@@ -310,7 +310,7 @@ TEST_F(DepthRig, FitsWellFromACorrectedCamera) {
   for (DepthView& view : clip.evidence.depth_views) view.files.resize(16), view.time_s.resize(16);
   clip.evidence.depth_views[0].camera = Knocked(clip.evidence.depth_views[0].camera, 0.03, 2.0, random);
   PointCloudOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   options.start.facing = 0.0;
   const auto audited = FitClouds(clip, skeleton_, {}, options);
   ASSERT_TRUE(audited) << audited.error().Message();

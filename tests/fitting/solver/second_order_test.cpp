@@ -42,7 +42,7 @@ struct UncertainBone {
     for (int j = 0; j < take.tracks.joints(); ++j)
       Eigen::Map<Vector3d>(state.rotation(0, j)) = LogQuaternion(take.truth.rotation_at(0, j));
     state.Update(0, 1, true);
-    AddSecondOrderCovariance({take.tracks, state, sigma, options, 0, 1}, covariance);
+    AddSecondOrderCovariance(TrackProblem(take.tracks, state, sigma, options), covariance);
   }
 };
 

@@ -23,7 +23,7 @@ Clip ClipOf(const PlayedTake& take) {
 /// Fits with both solvers and checks that every number is finite and that states, uncertainty and termination are set.
 FitResult SoundFit(const Clip& clip, const std::vector<double>& bones = {}) {
   FittingOptions options;
-  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+  for (const PoseSolver solver : {PoseSolver::kCeres, PoseSolver::kBanded}) {
     options.joint_tracks.solver = solver;
     const auto fit = FitTracksOfClip(clip, TestSkeleton(), bones, options);
     EXPECT_TRUE(fit.has_value()) << fit.error().Message();
@@ -32,7 +32,7 @@ FitResult SoundFit(const Clip& clip, const std::vector<double>& bones = {}) {
     for (const float value : fit->motion.position_cov) EXPECT_TRUE(std::isfinite(value));
     for (const float value : fit->motion.rotation_sigma) EXPECT_TRUE(std::isfinite(value));
     EXPECT_FALSE(OutcomeOfFit(clip, *fit, options).summary["termination"].get<std::string>().empty());
-    if (solver == TrackSolver::kBanded) return *fit;
+    if (solver == PoseSolver::kBanded) return *fit;
   }
   return {};
 }

@@ -327,7 +327,7 @@ TEST(JointTrackFit, StepWithAFreeRootMovesThePersonAsAWhole) {
   options.steps.clear();
   const FitResult start = FitTake(take, options);
   options.steps = {{FreeParts::kRoot, StepEvidence::kAll, 1e-8, 100}};
-  for (const TrackSolver solver : {TrackSolver::kCeres, TrackSolver::kBanded}) {
+  for (const PoseSolver solver : {PoseSolver::kCeres, PoseSolver::kBanded}) {
     options.solver = solver;
     const FitResult moved = FitTake(take, options);
     EXPECT_GT((moved.motion.root_translation[15] - start.motion.root_translation[15]).norm(), 1e-4);

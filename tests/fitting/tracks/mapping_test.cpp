@@ -130,7 +130,7 @@ TEST(FittingOptions, RoundTripThroughJson) {
   FittingOptions options;
   options.method = FitMethod::kPointClouds;
   options.skeleton = "smpl24";
-  options.joint_tracks.rest_sigma = 0.2;
+  options.joint_tracks.priors.rest = 0.2;
   const nlohmann::json json = OptionsToJson(options);
   EXPECT_EQ(json["method"], "point_clouds");
   const auto read = OptionsFromJson<FittingOptions>(json);

@@ -67,7 +67,7 @@ FitResult FitRecorded(const PlayedTake& take, JointTrackOptions options = {}) {
   return *std::move(fit);
 }
 
-class RecordedRotations : public testing::TestWithParam<TrackSolver> {
+class RecordedRotations : public testing::TestWithParam<PoseSolver> {
  protected:
   JointTrackOptions Options() const {
     JointTrackOptions options;
@@ -76,8 +76,8 @@ class RecordedRotations : public testing::TestWithParam<TrackSolver> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Solvers, RecordedRotations, testing::Values(TrackSolver::kCeres, TrackSolver::kBanded),
-                         [](const auto& solver) { return solver.param == TrackSolver::kCeres ? "Ceres" : "Banded"; });
+INSTANTIATE_TEST_SUITE_P(Solvers, RecordedRotations, testing::Values(PoseSolver::kCeres, PoseSolver::kBanded),
+                         [](const auto& solver) { return solver.param == PoseSolver::kCeres ? "Ceres" : "Banded"; });
 
 TEST_P(RecordedRotations, DetermineChangesOfTwistInAnyFrameOfTheSource) {
   PlayedTake take = Recorded(2.0 * kRadiansOfDegree);

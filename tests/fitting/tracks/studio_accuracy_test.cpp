@@ -16,7 +16,7 @@ struct Scores {
 Scores FitStudio(std::uint64_t seed, const StudioClipErrors& errors) {
   Scores scores;
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const std::vector<StudioClip> clips = StudioClips(seed, 1, false, errors);
   std::vector<SkeletonTracks> tracks;
   for (const StudioClip& clip : clips) tracks.push_back(clip.tracks);

@@ -42,7 +42,7 @@ class TrackerPointsTest : public testing::Test {
   FitResult Fit() const {
     FittingOptions options;
     options.other_joints = OtherJoints::kLeaveOut;
-    options.joint_tracks.solver = TrackSolver::kBanded;
+    options.joint_tracks.solver = PoseSolver::kBanded;
     const auto fit = FitTracksOfClip(clip_, WithTrackerPoints(body_, clip_), {}, options);
     EXPECT_TRUE(fit.has_value()) << fit.error().Message();
     return fit ? *fit : FitResult{};

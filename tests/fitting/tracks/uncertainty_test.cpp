@@ -8,9 +8,10 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "fitting/costs/hinge_cost.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "fitting/solver/ceres_poses.h"
+#include "fitting/solver/joint_track_fit.h"
 #include "fitting/solver/track_problem.h"
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/process_noise_scale.h"
@@ -72,7 +73,7 @@ TEST(TrackUncertainty, MatchesTheDenseCovarianceOfCeres) {
       if (state.active(j)) Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(take.truth.rotation_at(f, j));
     }
   }
-  TrackWindow window{take.tracks, state, sigma, options, 0, 5};
+  TrackProblem window(take.tracks, state, sigma, options);
   const auto uncertainty = UncertaintyOfTracks(window);
   ASSERT_TRUE(uncertainty.has_value()) << uncertainty.error().Message();
 
@@ -80,7 +81,8 @@ TEST(TrackUncertainty, MatchesTheDenseCovarianceOfCeres) {
   window.rest_information = &rest_information;
   const std::vector<Matrix3d> orientation_covariance = FrameOrientationCovariance(window);
   const double stated_share = uncertainty->variance_factor * kUncertaintyCalibration;
-  TrackProblem problem(window);
+  const PoseTerms terms = window.Terms(0, 5, false);
+  CeresPoses problem(terms, state);
   ceres::Covariance::Options dense;
   dense.algorithm_type = ceres::DENSE_SVD;
   ceres::Covariance covariance(dense);
@@ -134,8 +136,9 @@ TEST(TrackUncertainty, CountsTheRestPoseOnceForAnyClipLengthAndProcessNoise) {
   for (const double process_noise : {0.05, 0.5, 2.0}) {
     for (const int frames : {1, 2, 30, 300}) {
       JointTrackOptions options;
-      options.rotation_process_noise = process_noise;
-      const TrackWindow window{take.tracks, state, sigma, options, 0, frames};
+      options.priors.rotation_noise = process_noise;
+      const SkeletonTracks tracks = CutTracks(take.tracks, 0, frames);
+      const TrackProblem window(tracks, state, sigma, options);
       const std::vector<double> of_all = RestInformationOfProcessNoise(window);
       std::vector<double> rest;
       for (int f = 0; f < frames; ++f) rest.push_back(of_all[window.Index(f, 4)]);
@@ -156,7 +159,7 @@ TEST(TrackUncertainty, OfRotationsIncludesTheVariationOfBodies) {
   const double sigma = 0.01;
   const JointTrackOptions options;
   PoseState state(*take.tracks.skeleton, 30, take.truth.bone_length, std::vector<bool>(take.tracks.joints(), true));
-  const TrackWindow window{take.tracks, state, sigma, options, 0, 30};
+  const TrackProblem window(take.tracks, state, sigma, options);
   const std::vector<Matrix3d> orientation_covariance = FrameOrientationCovariance(window);
   const Skeleton& skeleton = *take.tracks.skeleton;
   const std::vector<std::vector<int>> children = skeleton.Children();
@@ -180,14 +183,14 @@ TEST(TrackUncertainty, OfRotationsIncludesTheVariationOfBodies) {
   beside.tracks.place_sigma.assign(take.tracks.joints(), 0.0);
   const int elbow = *skeleton.FindJoint("left_elbow"), wrist = children[elbow].front();
   beside.tracks.place_sigma[wrist] = 0.02;
-  const TrackWindow of_points{beside.tracks, state, sigma, options, 0, 30};
+  const TrackProblem of_points(beside.tracks, state, sigma, options);
   const double turned =
       Eigen::SelfAdjointEigenSolver<Matrix3d>(FrameOrientationCovariance(of_points)[elbow]).eigenvalues()[2];
   EXPECT_NEAR(std::sqrt(turned), std::hypot(0.02, 0.0025) / take.truth.bone_length[wrist], 1e-9)
       << "a tracker's point that is not a joint";
   PlayedTake unobserved = take;
   for (int f = 0; f < 30; ++f) Hide(unobserved.tracks, f, children[3].front());
-  const TrackWindow without{unobserved.tracks, state, sigma, options, 0, 30};
+  const TrackProblem without(unobserved.tracks, state, sigma, options);
   EXPECT_EQ(FrameOrientationCovariance(without)[3], Matrix3d::Zero()) << "only observed bones count";
 }
 
@@ -223,7 +226,7 @@ TEST(TrackUncertainty, AHingeWithoutEvidenceIsNotObserved) {
     for (const int below : {ankle, toes}) Hide(take.tracks, f, below);
   }
   JointTrackOptions options;
-  options.solver = TrackSolver::kBanded;
+  options.solver = PoseSolver::kBanded;
   const Motion motion = FitWithUncertainty(take, options).motion;
   for (const int i : {1, 2}) EXPECT_LE(ValueAt(motion.rotation_observed, motion, 160, knee, i), 0.05F) << i;
   EXPECT_LE(ValueAt(motion.rotation_observed, motion, 160, knee, 0), 0.5F);  // people keep a posture for seconds
@@ -246,7 +249,7 @@ TEST(TrackUncertainty, ALongerGapIsNotMoreCertain) {
       for (int j = 0; j < gap.tracks.joints(); ++j)
         Eigen::Map<Vector3d>(state.rotation(f, j)) = LogQuaternion(gap.truth.rotation_at(f, j));
     }
-    const TrackWindow window{gap.tracks, state, sigma, options, 0, 90};
+    const TrackProblem window(gap.tracks, state, sigma, options);
     const auto uncertainty = UncertaintyOfTracks(window);
     EXPECT_GT(uncertainty->variance_factor, 4.0);
     Vector3d of_elbow;

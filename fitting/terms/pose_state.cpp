@@ -1,4 +1,4 @@
-#include "fitting/costs/pose_state.h"
+#include "fitting/terms/pose_state.h"
 
 #include <utility>
 

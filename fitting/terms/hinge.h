@@ -1,7 +1,5 @@
 #pragma once
 
-#include <ceres/sized_cost_function.h>
-
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -14,7 +12,9 @@ namespace mocurate {
 /// Sine of the angle to which knees and elbows hyperextend without cost.
 inline constexpr double kFreeHyperextension = 0.2;
 
-/// A joint that carries one bone and bends far one way only (HingeAxis).
+/// A joint that carries one bone and bends far one way only (HingeAxis): a knee or elbow. The bend therefore determines
+/// the twist of the thigh or upper arm; the twist of the shin or forearm itself is free.
+/// Source: hinge of one degree of freedom; the carrying angle (5 to 15 degrees at elbows) is within its sigma.
 struct Hinge {
   int axis = 0;                          ///< of the joint's frame in the rest pose
   Vector3d bone = Vector3d::Zero();      ///< direction of the bone at rest, unit
@@ -42,6 +42,7 @@ inline std::vector<std::optional<Hinge>> HingesOf(const Skeleton& skeleton) {
 
 /// Violation of a joint's hinge: the sine of the angle between bone and hinge plane, and hyperextension beyond
 /// kFreeHyperextension (negative, as a sine); 0 inside.
+/// Degenerate: beyond a right angle, the second does not change its sign as the limb bends on.
 inline Eigen::Vector2d OffHinge(const Hinge& hinge, const Matrix3d& parent_from_joint) {
   const Vector3d bone = parent_from_joint * hinge.bone;
   const double bend = hinge.forwards.dot(bone);
@@ -58,33 +59,5 @@ inline Eigen::Matrix<double, 2, 3> OffHingeSlopes(const Hinge& hinge, const Matr
   if (OffHinge(hinge, parent_from_joint)[1] < 0.0) slopes.row(1) = hinge.forwards.transpose() * moved;
   return slopes;
 }
-
-/// A knee or elbow bends about its hinge, in one direction. The bend therefore determines the twist of the thigh or
-/// upper arm. The twist of the shin or forearm itself has no cost.
-/// Residuals: r_0 = s / sigma, r_1 = min(0, b + e) / sigma, 2 rows; s sine of the angle out of the plane, b sine of the
-/// bend, e kFreeHyperextension: unitless.
-/// Blocks: rotation vector[3] (parent_from_joint).
-/// Jacobian: rows h^T and f^T of -R [bone]x J_r(w), over sigma; h hinge, f forwards; the second 0 inside.
-/// Degenerate: beyond a right angle, the second residual does not change its sign as the limb bends on.
-/// Source: hinge of one degree of freedom; the carrying angle (5 to 15 degrees at elbows) is within sigma.
-class HingeCost final : public ceres::SizedCostFunction<2, 3> {
- public:
-  HingeCost(const Hinge& hinge, double sigma) : hinge_(hinge), weight_(1.0 / sigma) {}
-
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Vector3d w = Eigen::Map<const Vector3d>(parameters[0]);
-    const Matrix3d local = ExpMatrix(w);
-    Eigen::Map<Eigen::Vector2d>(residuals).noalias() = weight_ * OffHinge(hinge_, local);
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>(jacobians[0]).noalias() =
-          weight_ * OffHingeSlopes(hinge_, local, w);
-    }
-    return true;
-  }
-
- private:
-  Hinge hinge_;
-  double weight_;
-};
 
 }  // namespace mocurate

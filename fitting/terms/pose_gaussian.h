@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/rotation.h"
-#include "fitting/costs/pose_state.h"
+#include "fitting/terms/pose_state.h"
 
 namespace mocurate {
 

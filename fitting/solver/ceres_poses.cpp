@@ -1,0 +1,277 @@
+#include "fitting/solver/ceres_poses.h"
+
+#include <ceres/cost_function.h>
+#include <ceres/iteration_callback.h>
+#include <ceres/solver.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "core/pipeline/worker.h"
+#include "fitting/solver/pose_equations.h"
+#include "fitting/stop_request.h"
+
+namespace mocurate {
+
+/// A residual block at the present iterate.
+struct CeresPoses::Block {
+  std::vector<double*> parameters;  ///< of three numbers each
+  Eigen::VectorXd residual;
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> jacobians;  ///< one per parameter block
+};
+
+/// Copies what CeresPoses evaluated.
+class CeresPoses::BlockCost final : public ceres::CostFunction {
+ public:
+  explicit BlockCost(const Block& block) : block_(block) {
+    set_num_residuals(static_cast<int>(block.residual.size()));
+    mutable_parameter_block_sizes()->assign(block.parameters.size(), 3);
+  }
+
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    std::copy_n(block_.residual.data(), block_.residual.size(), residuals);
+    for (std::size_t k = 0; jacobians != nullptr && k < block_.jacobians.size(); ++k) {
+      if (jacobians[k] != nullptr) std::copy_n(block_.jacobians[k].data(), block_.jacobians[k].size(), jacobians[k]);
+    }
+    return true;
+  }
+
+ private:
+  const Block& block_;
+};
+
+/// Sorts the rows of all frames into blocks.
+class CeresPoses::Rows {
+ public:
+  explicit Rows(CeresPoses& of)
+      : of_(of), bodies_(of.terms_.frames.size() * Joints()), joints_(bodies_.size()), poses_(bodies_.size()) {}
+
+  void Evaluate(bool derivatives) {
+    derivatives_ = derivatives;
+    steps_ = 0;
+    for (auto* group : {&bodies_}) {
+      for (auto& stack : *group) stack.Clear();
+    }
+    for (auto& stack : joints_) stack.Clear();
+    for (int i = 0; i < static_cast<int>(of_.terms_.frames.size()); ++i) {
+      derivatives ? VisitFrame<true>(of_.terms_, of_.state_, i, *this)
+                  : VisitFrame<false>(of_.terms_, of_.state_, i, *this);
+      derivatives ? VisitNext<true>(of_.terms_, of_.state_, i, *this)
+                  : VisitNext<false>(of_.terms_, of_.state_, i, *this);
+    }
+    for (std::size_t at = 0; at < bodies_.size(); ++at) {
+      if (!bodies_[at].rows.empty()) Finish(at, bodies_[at]);
+      if (!joints_[at].rows.empty()) Finish(at, joints_[at]);
+    }
+  }
+
+  template <int K>
+  void operator()(const BodyRows<K>& rows) {
+    const double square = rows.r.squaredNorm();
+    const double slope = rows.huber > 0.0 ? HuberSlope(square, rows.huber) : 1.0;
+    auto& stack = bodies_[At(rows.frame, rows.carrier)];
+    stack.excess += (rows.huber > 0.0 ? HuberValue(square, rows.huber) : square) - slope * square;
+    const double root = std::sqrt(slope);
+    for (int k = 0; k < K; ++k) {
+      Eigen::Matrix<double, 1, 7> row = Eigen::Matrix<double, 1, 7>::Zero();
+      if (derivatives_) row.head<6>() = root * rows.a.row(k);
+      row[6] = root * rows.r[k];
+      stack.rows.push_back(row);
+    }
+  }
+  template <int K>
+  void operator()(const JointRows<K>& rows) {
+    auto& stack = joints_[At(rows.frame, rows.joint)];
+    for (int k = 0; k < K; ++k) {
+      Eigen::Matrix<double, 1, 4> row = Eigen::Matrix<double, 1, 4>::Zero();
+      if (derivatives_) row.head<3>() = rows.j.row(k);
+      row[3] = rows.r[k];
+      stack.rows.push_back(row);
+    }
+  }
+  void operator()(const PoseRows& rows) {
+    Block*& block = poses_[At(rows.frame, 0)];
+    if (block == nullptr) {
+      std::vector<double*> parameters{Translation(rows.frame)};
+      for (const int j : rows.joints) parameters.push_back(Rotation(rows.frame, j));
+      block = &Make(std::move(parameters), rows.r.size());
+    }
+    block->residual = rows.r;
+    for (std::size_t k = 0; derivatives_ && k < block->jacobians.size(); ++k)
+      block->jacobians[k] = rows.j.middleCols<3>(3 * static_cast<Eigen::Index>(k));
+  }
+  void operator()(const RotationStepRows& rows) {
+    Block& block = NextStep([&] {
+      return std::vector{Rotation(rows.frame, rows.joint), Rotation(rows.frame + 1, rows.joint)};
+    });
+    block.residual = rows.r;
+    if (derivatives_) block.jacobians = {rows.before, rows.after};
+  }
+  void operator()(const MoveRows& rows) {
+    Block& block = NextStep([&] {
+      std::vector<double*> parameters = ParametersOf(rows.frame, rows.carrier);
+      const std::vector<double*> next = ParametersOf(rows.frame + 1, rows.carrier);
+      parameters.insert(parameters.end(), next.begin(), next.end());
+      return parameters;
+    });
+    block.residual = rows.r;
+    if (!derivatives_) return;
+    SetJacobians(rows.frame, rows.carrier, rows.before, block, 0);
+    SetJacobians(rows.frame + 1, rows.carrier, rows.after, block, block.jacobians.size() / 2);
+  }
+
+ private:
+  /// Rows [a r] of one body (seven columns) or joint (four).
+  template <int C>
+  struct Stack {
+    std::vector<Eigen::Matrix<double, 1, C>> rows;
+    double excess = 0.0;  ///< of the robust losses over the squares of the reweighted rows
+    Block* block = nullptr;
+
+    void Clear() { rows.clear(), excess = 0.0; }
+  };
+
+  std::size_t Joints() const { return static_cast<std::size_t>(of_.state_.joints()); }
+  std::size_t At(int frame, int joint) const {
+    return static_cast<std::size_t>(frame) * Joints() + static_cast<std::size_t>(joint);
+  }
+  int FrameAt(int frame) const { return of_.terms_.frames[static_cast<std::size_t>(frame)].frame; }
+  double* Translation(int frame) const { return of_.state_.translation(FrameAt(frame)); }
+  double* Rotation(int frame, int joint) const { return of_.state_.rotation(FrameAt(frame), joint); }
+  /// The joints whose rotations move a body: those at and above its carrier, root first.
+  std::vector<int> MovingJoints(int carrier) const {
+    std::vector<int> joints = of_.state_.path(carrier);
+    if (of_.state_.active(carrier)) joints.push_back(carrier);
+    return joints;
+  }
+  std::vector<double*> ParametersOf(int frame, int carrier) const {
+    std::vector<double*> parameters{Translation(frame)};
+    for (const int j : MovingJoints(carrier)) parameters.push_back(Rotation(frame, j));
+    return parameters;
+  }
+  Block& Make(std::vector<double*> parameters, Eigen::Index rows) {
+    of_.blocks_.push_back(std::make_unique<Block>());
+    Block& block = *of_.blocks_.back();
+    block.jacobians.resize(parameters.size());
+    block.parameters = std::move(parameters);
+    block.residual.resize(rows);
+    return block;
+  }
+  /// Steps come in the same order at every evaluation.
+  template <class Parameters>
+  Block& NextStep(Parameters&& parameters) {
+    if (steps_ == step_blocks_.size()) step_blocks_.push_back(&Make(parameters(), 3));
+    return *step_blocks_[steps_++];
+  }
+  /// Jacobians of rows with the derivative `a` in a body's twist, from the `first` parameter block on.
+  template <class Derivative>
+  void SetJacobians(int frame, int carrier, const Derivative& a, Block& block, std::size_t first) const {
+    block.jacobians[first] = a.template leftCols<3>();
+    for (const int j : MovingJoints(carrier))
+      block.jacobians[++first].noalias() = a * TwistOf(of_.state_, FrameAt(frame), j);
+  }
+  template <int C>
+  void Finish(std::size_t at, Stack<C>& stack) {
+    const auto frame = static_cast<int>(at / Joints()), joint = static_cast<int>(at % Joints());
+    if (stack.block == nullptr) {
+      stack.block = &Make(C == 7 ? ParametersOf(frame, joint) : std::vector{Rotation(frame, joint)}, C);
+    }
+    Block& block = *stack.block;
+    using Square = Eigen::Matrix<double, C, C>;
+    if (!derivatives_) {  // any residual of the same length
+      double square = stack.excess;
+      for (const auto& row : stack.rows) square += row[C - 1] * row[C - 1];
+      block.residual.setZero();
+      block.residual[C - 1] = std::sqrt(square);
+      return;
+    }
+    while (stack.rows.size() < static_cast<std::size_t>(C)) stack.rows.push_back(Eigen::Matrix<double, 1, C>::Zero());
+    using All = Eigen::Matrix<double, Eigen::Dynamic, C, Eigen::RowMajor>;
+    const Eigen::Map<const All> all(stack.rows.front().data(), static_cast<Eigen::Index>(stack.rows.size()), C);
+    const Square upper =
+        Eigen::HouseholderQR<All>(all).matrixQR().template topRows<C>().template triangularView<Eigen::Upper>();
+    block.residual = upper.col(C - 1);
+    block.residual[C - 1] = std::sqrt(block.residual[C - 1] * block.residual[C - 1] + std::max(0.0, stack.excess));
+    const Eigen::Matrix<double, C, C - 1> a = upper.template leftCols<C - 1>();
+    if constexpr (C == 7) {
+      SetJacobians(frame, joint, a, block, 0);
+    } else {
+      block.jacobians.front() = a;
+    }
+  }
+
+  CeresPoses& of_;
+  bool derivatives_ = true;
+  std::vector<Stack<7>> bodies_;  ///< (frames * J)
+  std::vector<Stack<4>> joints_;
+  std::vector<Block*> poses_;
+  std::vector<Block*> step_blocks_;
+  std::size_t steps_ = 0;
+};
+
+CeresPoses::CeresPoses(const PoseTerms& terms, PoseState& state) : terms_(terms), state_(state) {
+  ceres::Problem::Options options;
+  options.disable_all_safety_checks = true;
+  options.evaluation_callback = this;
+  problem_ = std::make_unique<ceres::Problem>(options);
+  rows_ = std::make_unique<Rows>(*this);
+  PrepareForEvaluation(true, true);
+  for (const auto& block : blocks_) problem_->AddResidualBlock(new BlockCost(*block), nullptr, block->parameters);
+}
+
+CeresPoses::~CeresPoses() = default;
+
+void CeresPoses::PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) {
+  if (new_evaluation_point) has_derivatives_ = false;
+  if (!new_evaluation_point && (has_derivatives_ || !evaluate_jacobians)) return;
+  for (const FrameTerms& frame : terms_.frames) state_.Update(frame.frame, frame.frame + 1, evaluate_jacobians);
+  rows_->Evaluate(evaluate_jacobians);
+  has_derivatives_ = evaluate_jacobians;
+}
+
+namespace {
+
+/// Ends the solver when the worker receives a stop request.
+class StopOnRequest : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return StopRequested() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+
+}  // namespace
+
+Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, const SolveOptions& options) {
+  CeresPoses poses(terms, state);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = terms.frames.size() == 1 ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  solver.num_threads = 1;
+  solver.function_tolerance = options.relative_tolerance;
+  solver.gradient_tolerance = 1e-12;
+  solver.parameter_tolerance = 1e-12;
+  solver.max_num_iterations = options.max_iterations;
+  solver.logging_type = ceres::SILENT;
+  StopOnRequest stop;
+  solver.callbacks = {&stop};
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &poses.problem(), &summary);
+  if (Status on = StopIfInterrupted(options.of); !on) return Forward(on);
+  if (!summary.IsSolutionUsable()) {
+    return Fail(
+        ErrorCode::kInconsistent, "the solver failed: " + summary.message,
+        "frames " + std::to_string(terms.frames.front().frame) + " to " + std::to_string(terms.frames.back().frame),
+        "check that these frames show a person, in metres");
+  }
+  for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
+  Solution solution;
+  solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  solution.initial_cost = summary.initial_cost;
+  solution.final_cost = summary.final_cost;
+  solution.converged = summary.termination_type != ceres::NO_CONVERGENCE;
+  return solution;
+}
+
+}  // namespace mocurate
