@@ -62,7 +62,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
   terms.frames = {TermsOfFit(body, cloud, fit, {}, 1.0, options)};
   SurfaceTerm& surface = terms.frames.front().surface;
   BlockTridiagonal memory;
-  const SolveOptions solve{fit.solver, kRelativeTolerance, kSolverSteps, "fit of depth views", &memory};
+  const SolveOptions solve{fit.solver, kRelativeTolerance, kSolverSteps, false, "fit of depth views", &memory};
   const int rounds = fit.sigma > 0.0 ? 1 : kSigmaRounds;
   for (int round = 0; round < rounds; ++round) {
     outcome.converged = false;

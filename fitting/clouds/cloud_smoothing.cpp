@@ -16,7 +16,7 @@ constexpr std::size_t kPart = 300;      ///< frames of a part (numerical)
 constexpr std::size_t kContext = 30;    ///< frames on either side that are fitted with a part (numerical)
 constexpr int kPathRounds = 10;         ///< matchings, at most (numerical)
 constexpr int kTries = 5;               ///< of a step that lowers the cost, ever shorter (numerical)
-constexpr double kOneStep = 1.0;        ///< relative change of the cost, which any step is below (numerical)
+constexpr double kTolerance = 1e-6;     ///< relative change of the cost that is none (numerical)
 constexpr double kLongestStep_s = 0.4;  ///< between neighbours that are coupled: later a limb may have any pose
 
 /// Frames of a chain, fitted together.
@@ -42,7 +42,7 @@ class ChainPart {
 
   /// Matches and solves in turn: a step that lowers the cost, then other matches, until the joints settle.
   Status Solve(SmoothedChain& chain) {
-    const SolveOptions solve{options_.solver, kOneStep, kTries, "fit of depth views", &equations_};
+    const SolveOptions solve{options_.solver, kTolerance, kTries, true, "fit of depth views", &equations_};
     double cost = 0.0;
     bool settled = false;
     for (int round = 0; round < kPathRounds && !settled; ++round) {

@@ -46,15 +46,26 @@ class CeresPoses::BlockCost final : public ceres::CostFunction {
 class CeresPoses::Rows {
  public:
   explicit Rows(CeresPoses& of)
-      : of_(of), bodies_(of.terms_.frames.size() * Joints()), joints_(bodies_.size()), poses_(bodies_.size()) {}
+      : of_(of),
+        bodies_(of.terms_.frames.size() * Joints()),
+        joints_(bodies_.size()),
+        poses_(of.terms_.frames.size()),
+        twists_(bodies_.size()) {
+    for (int j = 0; j < of.state_.joints(); ++j) {
+      moving_.push_back(of.state_.path(j));
+      if (of.state_.active(j)) moving_.back().push_back(j);
+    }
+  }
 
   void Evaluate(bool derivatives) {
     derivatives_ = derivatives;
     steps_ = 0;
-    for (auto* group : {&bodies_}) {
-      for (auto& stack : *group) stack.Clear();
-    }
+    for (auto& stack : bodies_) stack.Clear();
     for (auto& stack : joints_) stack.Clear();
+    for (std::size_t at = 0; derivatives && at < twists_.size(); ++at) {
+      const auto joint = static_cast<int>(at % Joints());
+      if (of_.state_.active(joint)) twists_[at] = TwistOf(of_.state_, FrameAt(static_cast<int>(at / Joints())), joint);
+    }
     for (int i = 0; i < static_cast<int>(of_.terms_.frames.size()); ++i) {
       derivatives ? VisitFrame<true>(of_.terms_, of_.state_, i, *this)
                   : VisitFrame<false>(of_.terms_, of_.state_, i, *this);
@@ -92,7 +103,7 @@ class CeresPoses::Rows {
     }
   }
   void operator()(const PoseRows& rows) {
-    Block*& block = poses_[At(rows.frame, 0)];
+    Block*& block = poses_[static_cast<std::size_t>(rows.frame)];
     if (block == nullptr) {
       std::vector<double*> parameters{Translation(rows.frame)};
       for (const int j : rows.joints) parameters.push_back(Rotation(rows.frame, j));
@@ -140,15 +151,9 @@ class CeresPoses::Rows {
   int FrameAt(int frame) const { return of_.terms_.frames[static_cast<std::size_t>(frame)].frame; }
   double* Translation(int frame) const { return of_.state_.translation(FrameAt(frame)); }
   double* Rotation(int frame, int joint) const { return of_.state_.rotation(FrameAt(frame), joint); }
-  /// The joints whose rotations move a body: those at and above its carrier, root first.
-  std::vector<int> MovingJoints(int carrier) const {
-    std::vector<int> joints = of_.state_.path(carrier);
-    if (of_.state_.active(carrier)) joints.push_back(carrier);
-    return joints;
-  }
   std::vector<double*> ParametersOf(int frame, int carrier) const {
     std::vector<double*> parameters{Translation(frame)};
-    for (const int j : MovingJoints(carrier)) parameters.push_back(Rotation(frame, j));
+    for (const int j : moving_[static_cast<std::size_t>(carrier)]) parameters.push_back(Rotation(frame, j));
     return parameters;
   }
   Block& Make(std::vector<double*> parameters, Eigen::Index rows) {
@@ -169,8 +174,8 @@ class CeresPoses::Rows {
   template <class Derivative>
   void SetJacobians(int frame, int carrier, const Derivative& a, Block& block, std::size_t first) const {
     block.jacobians[first] = a.template leftCols<3>();
-    for (const int j : MovingJoints(carrier))
-      block.jacobians[++first].noalias() = a * TwistOf(of_.state_, FrameAt(frame), j);
+    for (const int j : moving_[static_cast<std::size_t>(carrier)])
+      block.jacobians[++first].noalias() = a * twists_[At(frame, j)];
   }
   template <int C>
   void Finish(std::size_t at, Stack<C>& stack) {
@@ -206,7 +211,9 @@ class CeresPoses::Rows {
   bool derivatives_ = true;
   std::vector<Stack<7>> bodies_;  ///< (frames * J)
   std::vector<Stack<4>> joints_;
-  std::vector<Block*> poses_;
+  std::vector<Block*> poses_;             ///< (frames)
+  std::vector<Twist> twists_;             ///< (frames * J)
+  std::vector<std::vector<int>> moving_;  ///< (J) joints whose rotations move a body: those at and above its carrier
   std::vector<Block*> step_blocks_;
   std::size_t steps_ = 0;
 };
@@ -233,12 +240,21 @@ void CeresPoses::PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluati
 
 namespace {
 
-/// Ends the solver when the worker receives a stop request.
-class StopOnRequest : public ceres::IterationCallback {
+/// Ends the solver when the worker receives a stop request, and after the step that SolveOptions ask for. Ceres itself
+/// tests its tolerance before it takes a step, and drops the last one.
+class StopAfterStep : public ceres::IterationCallback {
  public:
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return StopRequested() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  explicit StopAfterStep(const SolveOptions& options) : options_(options) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (StopRequested()) return ceres::SOLVER_ABORT;
+    if (summary.iteration == 0 || !summary.step_is_successful) return ceres::SOLVER_CONTINUE;
+    const double before = summary.cost + summary.cost_change;
+    const bool ended = options_.one_step || summary.cost_change <= options_.relative_tolerance * before;
+    return ended ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
+
+ private:
+  const SolveOptions& options_;
 };
 
 }  // namespace
@@ -249,12 +265,12 @@ Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, cons
   solver.linear_solver_type = terms.frames.size() == 1 ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   solver.num_threads = 1;
-  solver.function_tolerance = options.relative_tolerance;
+  solver.function_tolerance = options.one_step ? 0.0 : 1e-3 * options.relative_tolerance;  // rounding at the minimum
   solver.gradient_tolerance = 1e-12;
   solver.parameter_tolerance = 1e-12;
   solver.max_num_iterations = options.max_iterations;
   solver.logging_type = ceres::SILENT;
-  StopOnRequest stop;
+  StopAfterStep stop(options);
   solver.callbacks = {&stop};
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &poses.problem(), &summary);

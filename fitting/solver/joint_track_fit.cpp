@@ -40,7 +40,7 @@ Status SolveWindows(const TrackProblem& problem, const TrackStep& step, PoseSolv
   for (int begin = 0; begin < frames; begin += stride) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution = Solve(problem.Terms(begin, end, begin > 0), problem.state,
-                                {solver, step.relative_tolerance, static_cast<int>(step.max_iterations),
+                                {solver, step.relative_tolerance, static_cast<int>(step.max_iterations), false,
                                  "fit of joint tracks", problem.memory});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;

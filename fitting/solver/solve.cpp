@@ -53,7 +53,7 @@ Expected<Solution> SolveBanded(const PoseTerms& terms, PoseState& state, const S
     moved = true;
     const bool settled = cost - next <= options.relative_tolerance * cost;
     cost = next;
-    if (settled) {
+    if (settled || options.one_step) {
       solution.converged = true;
       break;
     }

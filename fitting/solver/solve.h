@@ -12,6 +12,7 @@ struct SolveOptions {
   PoseSolver solver = PoseSolver::kBanded;
   double relative_tolerance = 1e-4;  ///< ends at this relative change of the cost
   int max_iterations = 100;
+  bool one_step = false;               ///< ends after the first step that lowers the cost
   const char* of = "fit";              ///< what is interrupted
   BlockTridiagonal* memory = nullptr;  ///< of the banded equations, reused by the next solve; null: their own
 };
