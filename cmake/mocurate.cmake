@@ -97,6 +97,9 @@ endfunction()
 
 # The two paths that tests need, alone in a library: what holds a path is compiled again in each clone.
 function(mocurate_test_folders)
+  if(TARGET mocurate_test_folders)
+    return()
+  endif()
   add_library(mocurate_test_folders STATIC ${PROJECT_SOURCE_DIR}/tests/support/folders.cpp)
   target_link_libraries(mocurate_test_folders PUBLIC mocurate_settings)
   target_compile_definitions(mocurate_test_folders PRIVATE MOCURATE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}"

@@ -132,9 +132,8 @@ BoneCapsules BoneCapsules::Make(SkeletonPtr skeleton, double radius_scale) {
 CapsulePoint ClosestOnCapsule(const Vector3d& parent_end, const Vector3d& joint_end, double radius,
                               const Vector3d& point) {
   const Vector3d bone = joint_end - parent_end;
-  const double square = bone.squaredNorm();
   CapsulePoint closest;
-  if (square > 0.0) closest.fraction = std::clamp((point - parent_end).dot(bone) / square, 0.0, 1.0);
+  closest.fraction = PlaceOnAxis(parent_end, joint_end, point);
   const Vector3d on_bone = parent_end + closest.fraction * bone;
   const Vector3d away = point - on_bone;
   const double distance = away.norm();
@@ -147,10 +146,8 @@ CapsulePoint ClosestOnCapsule(const Vector3d& parent_end, const Vector3d& joint_
 }
 
 double SignedDistance(const Vector3d& parent_end, const Vector3d& joint_end, double radius, const Vector3d& point) {
-  const Vector3d bone = joint_end - parent_end;
-  const double square = bone.squaredNorm();
-  const double fraction = square > 0.0 ? std::clamp((point - parent_end).dot(bone) / square, 0.0, 1.0) : 0.0;
-  return (point - parent_end - fraction * bone).norm() - radius;
+  const double place = PlaceOnAxis(parent_end, joint_end, point);
+  return (point - parent_end - place * (joint_end - parent_end)).norm() - radius;
 }
 
 std::optional<BodyPoint> ClosestOnBody(const BoneCapsules& body, const Vector3d* joints, const Vector3d& point) {

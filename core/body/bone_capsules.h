@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct BoneCapsules {
   /// Radii are Joint::radius times `radius_scale`; a joint of radius 0 gets no capsule.
   static BoneCapsules Make(SkeletonPtr skeleton, double radius_scale = 1.0);
 };
+
+/// Place [0, 1] on the axis from `begin` to `end` that is nearest to a point; 0 where both coincide.
+inline double PlaceOnAxis(const Vector3d& begin, const Vector3d& end, const Vector3d& point) {
+  const Vector3d axis = end - begin;
+  const double square = axis.squaredNorm(), along = (point - begin).dot(axis);
+  return square > 0.0 && along > 0.0 ? std::min(1.0, along / square) : 0.0;
+}
 
 /// The point of a capsule's surface nearest to another point.
 struct CapsulePoint {

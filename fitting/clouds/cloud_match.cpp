@@ -138,7 +138,7 @@ double FitCapsuleOffsets(const std::vector<FusedCloud>& clouds, const PoseState&
         const BodyCapsule& capsule = body.capsules[match.capsule];
         const CapsuleEnds ends = EndsOf(capsule, state, f);
         const Vector3d point = clouds[f].points.col(match.point);
-        const double place = PlaceOnAxis(ends, point);
+        const double place = PlaceOnAxis(ends.begin, ends.end, point);
         const Vector3d away = point - (ends.begin + place * (ends.end - ends.begin));
         if (away.norm() < 1e-6) continue;
         const Vector3d normal = state.global(f, capsule.frame).transpose() * away.normalized();

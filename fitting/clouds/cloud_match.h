@@ -22,14 +22,6 @@ inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, in
                 state.position(frame, capsule.end_joint));
 }
 
-/// Place [0, 1] on a capsule's axis that is nearest to a point.
-inline double PlaceOnAxis(const CapsuleEnds& ends, const Vector3d& point) {
-  const Vector3d axis = ends.end - ends.begin;
-  const double square = axis.squaredNorm();
-  const double along = (point - ends.begin).dot(axis);
-  return square > 0.0 && along > 0.0 ? std::min(1.0, along / square) : 0.0;
-}
-
 /// A point and its matched capsule.
 struct CloudMatch {
   int point = 0;

@@ -147,11 +147,9 @@ class Aligner {
     const BodyCapsule& capsule = body_.capsules[match.capsule];
     const CapsuleEnds ends = EndsOf(capsule, state_, frame);
     const Vector3d point = cloud.points.col(match.point);
-    const Vector3d axis = ends.end - ends.begin;
-    const double square = axis.squaredNorm();
-    const double place = square > 0.0 ? std::clamp((point - ends.begin).dot(axis) / square, 0.0, 1.0) : 0.0;
+    const double place = PlaceOnAxis(ends.begin, ends.end, point);
     Surface surface;
-    surface.out = (point - ends.begin - place * axis).stableNormalized();
+    surface.out = (point - ends.begin - place * (ends.end - ends.begin)).stableNormalized();
     const int before = std::max(0, frame - 1), after = std::min(state_.frames() - 1, frame + 1);
     if (after == before) return surface;
     const auto at = [&](int f) {

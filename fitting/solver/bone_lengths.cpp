@@ -1,12 +1,18 @@
 #include "fitting/solver/bone_lengths.h"
 
-#include <Eigen/Cholesky>
+#include <ceres/dynamic_autodiff_cost_function.h>
+#include <ceres/normal_prior.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "core/base/median.h"
 #include "fitting/evidence/noise.h"
+#include "fitting/solver/one_thread.h"
 #include "fitting/solver/rest_sigmas.h"
 #include "fitting/terms/huber.h"
 
@@ -98,51 +104,61 @@ Vector3d Direction(const Skeleton& skeleton, int joint) {
   return skeleton.joints[joint].rest_offset.stableNormalized();
 }
 
-/// Bones from an observed joint over unobserved ones to the next observed one; with an unobserved root, from an
-/// observed child of it (a hip).
-struct UnobservedChain {
+/// A measured distance over some bones: |start + sum of length times direction|.
+struct Span {
   std::vector<int> bones;
-  Vector3d start = Vector3d::Zero();  ///< of the bones, relative to the observed joint in the rest pose, metres
-  double distance = 0.0;              ///< between its ends, metres
-  double sigma = 0.0;                 ///< of the distance, metres: it changes as the joints between bend
+  std::vector<Vector3d> directions;   ///< of each bone, unit
+  double distance = 0.0;              ///< metres
+  double sigma = 0.0;                 ///< of the distance, metres
+  Vector3d start = Vector3d::Zero();  ///< metres
 };
 
-/// Lengths with which chains that share bones have their distances in the rest pose, weighted by sigma (a tracker's
-/// mid-trunk point may be higher or lower than the trunk's top suggests). Gauss-Newton; prior: the present lengths,
-/// with a quarter of them as sigma, as for directions.
-void ShareBones(const std::vector<UnobservedChain>& chains, const Skeleton& skeleton, BoneEstimate& bones) {
-  constexpr double kPriorShare = 0.25;  ///< share of a bone: standard deviation of its prior
-  std::vector<int> all;
-  for (const UnobservedChain& chain : chains) all.insert(all.end(), chain.bones.begin(), chain.bones.end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  const auto count = static_cast<Eigen::Index>(all.size());
-  const std::vector<double> prior = bones.length;
-  for (int iteration = 0; iteration < 10; ++iteration) {
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
-    Eigen::VectorXd gradient(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const int bone = all[static_cast<std::size_t>(i)];
-      const double trust = 1.0 / Square(std::max(1e-3, kPriorShare * prior[bone]));
-      normal(i, i) = trust;
-      gradient[i] = trust * (bones.length[bone] - prior[bone]);
+struct SpanResidual {
+  const Span& span;
+
+  template <class T>
+  bool operator()(T const* const* lengths, T* residual) const {
+    Eigen::Matrix<T, 3, 1> end = span.start.cast<T>();
+    for (std::size_t i = 0; i < span.bones.size(); ++i) end += lengths[i][0] * span.directions[i].cast<T>();
+    const T square = end.squaredNorm();
+    residual[0] = square > T(1e-12) ? (sqrt(square) - span.distance) / span.sigma : T(0.0);
+    return true;
+  }
+};
+
+/// Lengths of the bones of some spans, nearest to the spans' distances and to the present lengths, each with its sigma.
+/// Of a present length: its prior sigma and the least that it may become, metres.
+void FitLengths(const std::vector<Span>& spans, const std::function<std::pair<double, double>(double)>& prior,
+                BoneEstimate& bones) {
+  ceres::Problem problem;
+  std::vector<bool> known(bones.length.size(), false);
+  for (const Span& span : spans) {
+    auto* cost = new ceres::DynamicAutoDiffCostFunction<SpanResidual>(new SpanResidual{span});
+    cost->SetNumResiduals(1);
+    std::vector<double*> lengths;
+    for (const int bone : span.bones) {
+      cost->AddParameterBlock(1);
+      lengths.push_back(&bones.length[static_cast<std::size_t>(bone)]);
     }
-    for (const UnobservedChain& chain : chains) {
-      Vector3d span = chain.start;
-      for (const int bone : chain.bones) span += bones.length[bone] * Direction(skeleton, bone);
-      Eigen::VectorXd row = Eigen::VectorXd::Zero(count);
-      for (const int bone : chain.bones)
-        row[std::lower_bound(all.begin(), all.end(), bone) - all.begin()] =
-            span.stableNormalized().dot(Direction(skeleton, bone));
-      normal += row * row.transpose() / Square(chain.sigma);
-      gradient += row * (span.norm() - chain.distance) / Square(chain.sigma);
-    }
-    const Eigen::VectorXd step = normal.ldlt().solve(gradient);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      double& length = bones.length[all[static_cast<std::size_t>(i)]];
-      length = std::max(length - step[i], 0.25 * prior[all[static_cast<std::size_t>(i)]]);
+    problem.AddResidualBlock(cost, nullptr, lengths);
+    for (const int bone : span.bones) {
+      if (known[static_cast<std::size_t>(bone)]) continue;
+      known[static_cast<std::size_t>(bone)] = true;
+      double& length = bones.length[static_cast<std::size_t>(bone)];
+      const auto [sigma, least] = prior(length);
+      const Eigen::MatrixXd weight = Eigen::MatrixXd::Constant(1, 1, 1.0 / sigma);
+      problem.AddResidualBlock(new ceres::NormalPrior(weight, Eigen::VectorXd::Constant(1, length)), nullptr, &length);
+      problem.SetParameterLowerBound(&length, 0, least);
     }
   }
+  if (spans.empty()) return;
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  const OneThread one_thread;
+  ceres::Solve(options, &problem, &summary);
 }
 
 /// From an observed joint with an unobserved parent up to the first below an observed joint or the root.
@@ -180,7 +196,7 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
   const double noise = 2.0 * Square(MeanMedian(noises));
   const std::vector<bool> swings = SwingingJoints(skeleton);
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
-  std::vector<UnobservedChain> chains;
+  std::vector<Span> chains;
   for (int end = 1; end < skeleton.joint_count(); ++end) {
     if (!seen[end] || seen[skeleton.joints[end].parent]) continue;
     const std::vector<int> chain = UnobservedBonesTo(end, skeleton, seen);
@@ -192,7 +208,9 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
       const double bend = std::sqrt(std::max(0.0, Square(distance.sigma) - noise));
       const bool stiff = bend <= kStiff * distance.length;
       if (!stiff && !trunk) continue;
-      chains.push_back({chain, start, distance.length, std::max(kDistanceSigma, bend)});
+      // A tracker's point in the trunk may be higher or lower than the trunk's top suggests: weighted by sigma.
+      chains.push_back({chain, {}, distance.length, std::max(kDistanceSigma, bend), start});
+      for (const int bone : chain) chains.back().directions.push_back(Direction(skeleton, bone));
       Vector3d rest = Vector3d::Zero();
       for (const int bone : chain) rest += skeleton.joints[bone].rest_offset;
       if (!stiff || !start.isZero() || rest.norm() < 1e-6) continue;
@@ -205,51 +223,30 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
     for (const double ratio : ratios[j]) sum += ratio;
     bones.length[j] = skeleton.joints[j].rest_offset.norm() * sum / static_cast<double>(ratios[j].size());
   }
-  ShareBones(chains, skeleton, bones);
+  constexpr double kPriorShare = 0.25;  ///< share of a bone: standard deviation of its prior, and its least length
+  FitLengths(
+      chains, [](double length) { return std::pair(std::max(1e-3, kPriorShare * length), kPriorShare * length); },
+      bones);
 }
 
-/// Lengths of bones that start at one unobserved joint, from the distances between their observed ends: Gauss-Newton on
-/// |b_i u_i - b_k u_k| = d_ik, prior: the present lengths.
+/// Lengths of bones that start at one unobserved joint, from the distances |b_i u_i - b_k u_k| between their observed
+/// ends.
 void SolveSiblings(const std::vector<SkeletonTracks>& clips, const std::vector<double>& white, const Skeleton& skeleton,
                    const std::vector<int>& siblings, BoneEstimate& bones) {
-  constexpr double kPriorSigma = 0.02;  ///< m; standard deviation of the prior on the length of a bone
-  const auto count = static_cast<Eigen::Index>(siblings.size());
-  const std::vector<double> prior = bones.length;
-  std::vector<BoneDistance> distances(static_cast<std::size_t>(count * count));
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index k = i + 1; k < count; ++k) {
-      distances[static_cast<std::size_t>(i * count + k)] = DistanceOver(clips, white, siblings[i], siblings[k]);
+  /// Metres: standard deviation of the prior on the length of a bone, and its least length.
+  constexpr std::pair<double, double> kPrior = {0.02, 1e-3};
+  std::vector<Span> spans;
+  for (std::size_t i = 0; i < siblings.size(); ++i) {
+    for (std::size_t k = i + 1; k < siblings.size(); ++k) {
+      const int a = siblings[i], b = siblings[k];
+      const BoneDistance seen = DistanceOver(clips, white, a, b);
+      if (seen.samples == 0) continue;
+      spans.push_back({{a, b}, {Direction(skeleton, a), -Direction(skeleton, b)}, seen.length, kDistanceSigma});
+      for (const int bone : {a, b}) bones.samples[bone] = std::max(bones.samples[bone], seen.samples);
     }
   }
-  for (int iteration = 0; iteration < 10; ++iteration) {
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count, count) / (kPriorSigma * kPriorSigma);
-    Eigen::VectorXd gradient(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      gradient[i] = (bones.length[siblings[i]] - prior[siblings[i]]) / (kPriorSigma * kPriorSigma);
-    }
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index k = i + 1; k < count; ++k) {
-        const BoneDistance& seen = distances[static_cast<std::size_t>(i * count + k)];
-        const Vector3d u = Direction(skeleton, siblings[i]);
-        const Vector3d v = Direction(skeleton, siblings[k]);
-        const Vector3d between = bones.length[siblings[i]] * u - bones.length[siblings[k]] * v;
-        if (seen.samples == 0 || between.norm() < 1e-6) continue;
-        Eigen::VectorXd row = Eigen::VectorXd::Zero(count);
-        row[i] = between.normalized().dot(u);
-        row[k] = -between.normalized().dot(v);
-        normal += row * row.transpose() / (kDistanceSigma * kDistanceSigma);
-        gradient += row * (between.norm() - seen.length) / (kDistanceSigma * kDistanceSigma);
-        if (iteration == 0) {
-          bones.samples[siblings[i]] = std::max(bones.samples[siblings[i]], seen.samples);
-          bones.samples[siblings[k]] = std::max(bones.samples[siblings[k]], seen.samples);
-        }
-      }
-    }
-    const Eigen::VectorXd step = normal.ldlt().solve(gradient);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      bones.length[siblings[i]] = std::max(bones.length[siblings[i]] - step[i], 1e-3);
-    }
-  }
+  FitLengths(
+      spans, [=](double) { return kPrior; }, bones);
 }
 
 /// Averages the two sides' lengths, weighted by `weight` (J).

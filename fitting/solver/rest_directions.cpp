@@ -1,6 +1,10 @@
 #include "fitting/solver/rest_directions.h"
 
-#include <Eigen/Cholesky>
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/normal_prior.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -13,6 +17,7 @@
 #include "core/geometry/rotation.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
+#include "fitting/solver/one_thread.h"
 #include "fitting/solver/rest_sigmas.h"
 
 namespace mocurate {
@@ -183,64 +188,53 @@ Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd
   return is * signs.surplus > 0.0 ? as_is : mirrored;
 }
 
-/// Twice the negative log likelihood of ends of bones, with its gradient and Gauss-Newton matrix.
-struct StarCost {
-  double value = 0.0;
-  Eigen::MatrixXd normal;
-  Eigen::VectorXd gradient;
+/// Distance of two points from a measured one, r = (|a - b| - length) / sigma; `b` none: from the origin.
+struct DistanceResidual {
+  double length, sigma;
+
+  template <class T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> from(b), to(a);
+    return OfVector<T>(to - from, residual);
+  }
+  template <class T>
+  bool operator()(const T* a, T* residual) const {
+    return OfVector<T>(Eigen::Map<const Eigen::Matrix<T, 3, 1>>(a), residual);
+  }
+  template <class T>
+  bool OfVector(const Eigen::Matrix<T, 3, 1>& apart, T* residual) const {
+    const T square = apart.squaredNorm();
+    residual[0] = ((square > T(0.0) ? sqrt(square) : T(0.0)) - length) / sigma;
+    return true;
+  }
 };
 
-StarCost CostOfStar(const EndDistances& distances, const Eigen::MatrixXd& near, const Eigen::MatrixXd& points) {
-  const Eigen::Index count = near.cols();
-  StarCost cost{0.0, Eigen::MatrixXd::Zero(3 * count, 3 * count), Eigen::VectorXd::Zero(3 * count)};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const double length = near.col(i).norm();
-    const double rest = 1.0 / std::pow(kRestSigma * length, 2.0);
-    const double sure = 1.0 / (kLeastJointSigma * kLeastJointSigma);
-    const Vector3d away = points.col(i) - near.col(i);
-    const Vector3d along = Vector3d(points.col(i)).stableNormalized();
-    const double longer = points.col(i).norm() - length;
-    cost.value += rest * away.squaredNorm() + sure * longer * longer;
-    cost.normal.block<3, 3>(3 * i, 3 * i) += rest * Matrix3d::Identity() + sure * along * along.transpose();
-    cost.gradient.segment<3>(3 * i) += rest * away + sure * longer * along;
-    for (Eigen::Index k = i + 1; k < count; ++k) {
-      const Vector3d apart = points.col(i) - points.col(k);
-      const Vector3d direction = apart.stableNormalized();
-      const double trust = 1.0 / (distances.sigma(i, k) * distances.sigma(i, k));
-      const double farther = apart.norm() - distances.length(i, k);
-      const Matrix3d block = trust * direction * direction.transpose();
-      cost.value += trust * farther * farther;
-      cost.normal.block<3, 3>(3 * i, 3 * i) += block;
-      cost.normal.block<3, 3>(3 * k, 3 * k) += block;
-      cost.normal.block<3, 3>(3 * i, 3 * k) -= block;
-      cost.normal.block<3, 3>(3 * k, 3 * i) -= block;
-      cost.gradient.segment<3>(3 * i) += trust * farther * direction;
-      cost.gradient.segment<3>(3 * k) -= trust * farther * direction;
-    }
-  }
-  return cost;
-}
-
-/// Maximum-likelihood ends for distances, lengths of the bones and the rest skeleton, from a start
-/// (Levenberg-Marquardt). Poorly determined parts, as the depth of a flat star, stay with the rest skeleton.
+/// Maximum-likelihood ends for distances, lengths of the bones and the rest skeleton, from a start. Poorly determined
+/// parts, as the depth of a flat star, stay with the rest skeleton.
 Eigen::MatrixXd Likeliest(const EndDistances& distances, const Eigen::MatrixXd& near, Eigen::MatrixXd points) {
-  double damping = 1e-3;
-  StarCost cost = CostOfStar(distances, near, points);
-  for (int step = 0; step < kStarSteps; ++step) {
-    Eigen::MatrixXd damped = cost.normal;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::VectorXd move = damped.ldlt().solve(cost.gradient);
-    Eigen::MatrixXd moved = points;
-    for (Eigen::Index i = 0; i < points.cols(); ++i) moved.col(i) -= move.segment<3>(3 * i);
-    StarCost there = CostOfStar(distances, near, moved);
-    if (!(there.value < cost.value)) {
-      damping *= 10.0;
-      continue;
+  ceres::Problem problem;
+  const auto at = [&](Eigen::Index i) { return points.data() + 3 * i; };
+  for (Eigen::Index i = 0; i < near.cols(); ++i) {
+    const double length = near.col(i).norm();
+    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(3, 3) / (kRestSigma * length);
+    problem.AddResidualBlock(new ceres::NormalPrior(rest, near.col(i)), nullptr, at(i));
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<DistanceResidual, 1, 3>(new DistanceResidual{length, kLeastJointSigma}),
+        nullptr, at(i));
+    for (Eigen::Index k = i + 1; k < near.cols(); ++k) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<DistanceResidual, 1, 3, 3>(
+                                   new DistanceResidual{distances.length(i, k), distances.sigma(i, k)}),
+                               nullptr, at(i), at(k));
     }
-    damping = std::max(1e-6, 0.1 * damping);
-    points = std::move(moved);
-    cost = std::move(there);
   }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = kStarSteps;
+  options.function_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  const OneThread one_thread;
+  ceres::Solve(options, &problem, &summary);
   return points;
 }
 

@@ -159,7 +159,7 @@ void VisitSurface(const PoseTerms& terms, const PoseState& state, int index, Vis
     const BodyCapsule& capsule = terms.body->capsules[static_cast<std::size_t>(match.capsule)];
     const CapsuleEnds& axis = ends[static_cast<std::size_t>(match.capsule)];
     const Vector3d point = surface.cloud->points.col(match.point);
-    const Vector3d nearest = axis.begin + PlaceOnAxis(axis, point) * (axis.end - axis.begin);
+    const Vector3d nearest = axis.begin + PlaceOnAxis(axis.begin, axis.end, point) * (axis.end - axis.begin);
     const Vector3d away = point - nearest;
     const double distance = away.norm();
     rows.r[0] = surface.weight * (distance - capsule.radius);

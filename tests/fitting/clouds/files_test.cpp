@@ -263,11 +263,16 @@ TEST_F(CloudFilesOfStudio, StagesIngestMeasureAndFit) {
   request.inputs.push_back({"proportions", "p1", request.output, ""});
   request.stage = "fitting";
   request.options["solver"] = "banded";
+  request.options["check"] = 1.0;
   request.item = clip->id();
   request.output = FolderOfClouds() / "fit.h5";
   request.options["point_clouds"]["start"] = {{"facing", takes_[0].reported_heading}};
   const auto fitted = FittingStage(request);
   ASSERT_TRUE(fitted) << fitted.error().Message();
+  const nlohmann::json& check = fitted->summary.at("check");
+  EXPECT_EQ(check.at("solver"), "ceres");
+  EXPECT_LT(check.at("joint_worst_mm"), 0.1) << "frames are solved together by either solver";
+  EXPECT_NEAR(check.at("cost").get<double>(), fitted->summary.at("cost").get<double>(), 0.01);
   const auto written = ReadDataset(request.output);
   ASSERT_TRUE(written) << written.error().Message();
   ASSERT_EQ(written->clips.size(), 1u);
