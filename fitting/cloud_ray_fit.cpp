@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +12,7 @@
 #include "core/base/pi.h"
 #include "core/base/text.h"
 #include "core/motion/clip.h"
+#include "core/quality/seen_person.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_rig_audit.h"
 #include "fitting/clouds/cloud_smoothing.h"
@@ -37,45 +37,6 @@ struct RayAgreement {
   double share = 0.0;                ///< of the frames with an image, in which a detection is near
 };
 
-constexpr double kNearInImage = 0.25;  ///< of the body's height in the image
-
-int ImageAt(const KeypointView& view, double time_s, double step_s) {
-  const auto after = std::lower_bound(view.time_s.begin(), view.time_s.end(), time_s);
-  int nearest = -1;
-  double least = 0.5 * step_s + 1e-9;
-  for (const auto at : {after, after == view.time_s.begin() ? after : after - 1}) {
-    if (at == view.time_s.end() || std::abs(*at - time_s) > least) continue;
-    least = std::abs(*at - time_s);
-    nearest = static_cast<int>(at - view.time_s.begin());
-  }
-  return nearest;
-}
-
-/// Distances of a detection's keypoints from the joints; `exchanged`: from those of the other side.
-std::vector<double> DistancesFromJoints(const KeypointView& view, const std::vector<int>& joint_of, int image,
-                                        int person, const Motion& motion, int frame, bool exchanged) {
-  std::vector<double> distances;
-  for (std::size_t k = 0; k < joint_of.size(); ++k) {
-    const double* point = view.at(image, person, static_cast<int>(k));
-    if (joint_of[k] < 0 || !(point[2] > 0.0)) continue;
-    const int joint = exchanged ? motion.skeleton->joints[joint_of[k]].mirror : joint_of[k];
-    const auto pixel = joint < 0 ? std::nullopt : view.camera.ProjectWorld(motion.joints.at(frame, joint));
-    if (pixel) distances.push_back((*pixel - Vector2d(point[0], point[1])).norm());
-  }
-  return distances;
-}
-
-double HeightInImage(const Camera& camera, const Motion& motion, int frame) {
-  double top = std::numeric_limits<double>::max(), bottom = -top;
-  for (int j = 0; j < motion.joint_count(); ++j) {
-    const auto pixel = camera.ProjectWorld(motion.joints.at(frame, j));
-    if (!pixel) continue;
-    top = std::min(top, pixel->y());
-    bottom = std::max(bottom, pixel->y());
-  }
-  return std::max(0.0, bottom - top);
-}
-
 /// The joint of `skeleton` (with the detector's points) that each keypoint is; -1: none.
 std::vector<int> BodyJointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& keypoint_names) {
   std::vector<int> joints;
@@ -87,27 +48,20 @@ std::vector<int> BodyJointsOfKeypoints(const Skeleton& skeleton, const std::vect
 RayAgreement CompareRays(const KeypointView& view, const std::vector<int>& joint_of, const Motion& motion) {
   RayAgreement found;
   std::vector<double> all, exchanged;
+  std::vector<int> mirrored;
+  for (const int joint : joint_of) mirrored.push_back(joint < 0 ? -1 : motion.skeleton->joints[joint].mirror);
   int images = 0, near = 0;
   const double step = motion.rate.FrameTime(1);
   for (int f = 0; f < motion.frame_count(); ++f) {
     const int image = ImageAt(view, motion.rate.FrameTime(f), step);
-    int person = -1;
-    double least = kNearInImage * HeightInImage(view.camera, motion, f);
-    for (int p = 0; image >= 0 && p < view.people; ++p) {
-      std::vector<double> distances = DistancesFromJoints(view, joint_of, image, p, motion, f, false);
-      if (distances.empty()) continue;
-      const double median = MeanMedian(distances);
-      if (median >= least) continue;
-      least = median;
-      person = p;
-    }
+    const int person = image < 0 ? -1 : FindPerson(view, image, joint_of, motion, f).index;
     found.image.push_back(image);
     found.person.push_back(person);
     images += image >= 0 ? 1 : 0;
     if (person < 0) continue;
     ++near;
-    const std::vector<double> own = DistancesFromJoints(view, joint_of, image, person, motion, f, false);
-    const std::vector<double> other = DistancesFromJoints(view, joint_of, image, person, motion, f, true);
+    const std::vector<double> own = DistancesFromJoints(view, image, person, joint_of, motion, f);
+    const std::vector<double> other = DistancesFromJoints(view, image, person, mirrored, motion, f);
     all.insert(all.end(), own.begin(), own.end());
     exchanged.insert(exchanged.end(), other.begin(), other.end());
   }
@@ -181,7 +135,7 @@ Expected<std::vector<FrameFit>> FramesWithRays(const std::vector<FusedCloud>& cl
     if (Status on = StopIfInterrupted("fit of depth views and keypoints"); !on) return Forward(on);
     const auto at = static_cast<std::size_t>(f);
     if (clouds[at].size() < kFewestPoints) continue;
-    frames.push_back({f, {}, 1.0, static_cast<int>(options.point_clouds.iterations)});
+    frames.push_back(FitOf(f, options.point_clouds));
     if (rays.person[at] < 0) continue;
     FrameFit frame = frames.back();
     frame.joints = RaysOf(view, joint_of, rays.image[at], rays.person[at], noise,

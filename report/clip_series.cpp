@@ -63,10 +63,12 @@ double CloudResidual(const Clip& fitted, const Evidence& evidence, int frame) {
 
 double KeypointResidual(const Motion& motion, const Evidence& evidence, int frame) {
   std::vector<double> medians;
+  const std::vector<int> joint_of = JointsOfKeypoints(*motion.skeleton, evidence.keypoint_names);
   for (std::size_t v = 0; v < evidence.keypoint_views.size(); ++v) {
-    const int image = ImageOfFrame(motion, frame, evidence.keypoint_views[v]);
+    const KeypointView& view = evidence.keypoint_views[v];
+    const int image = ImageAt(view, motion.rate.FrameTime(frame), motion.rate.FrameTime(1));
     if (image < 0) continue;
-    const SeenPerson person = FindPerson(motion, frame, evidence, static_cast<int>(v), image);
+    const SeenPerson person = FindPerson(view, image, joint_of, motion, frame);
     if (person.index >= 0) medians.push_back(person.median_px);
   }
   return medians.empty() ? kNan : Median(std::move(medians));

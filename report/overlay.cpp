@@ -2,7 +2,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "core/base/median.h"
 #include "report/html.h"
 #include "report/painters.h"
 
@@ -93,7 +92,8 @@ void DrawBones(const Motion& motion, int frame, const Camera& camera, cv::Mat& i
   }
 }
 
-/// Joint of the skeleton for each keypoint; -1 for points that are not joints.
+}  // namespace
+
 std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names) {
   const bool face = std::find(names.begin(), names.end(), "nose") != names.end();
   std::vector<int> joints;
@@ -104,8 +104,6 @@ std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<s
   }
   return joints;
 }
-
-}  // namespace
 
 int ViewCount(const Evidence& evidence) {
   return static_cast<int>(evidence.depth_views.size() + evidence.keypoint_views.size());
@@ -195,9 +193,11 @@ void ViewPainter::DrawKeypoints(int frame, cv::Mat& image) const {
   const auto first = static_cast<int>(evidence_->depth_views.size());
   if (view_ < first) return;
   const KeypointView& view = evidence_->keypoint_views[view_ - first];
-  const int shown = ImageOfFrame(*fitted_->motion, frame, view);
+  const Motion& motion = *fitted_->motion;
+  const int shown = ImageAt(view, motion.rate.FrameTime(frame), motion.rate.FrameTime(1));
   if (shown < 0) return;
-  const int person = FindPerson(*fitted_->motion, frame, *evidence_, view_ - first, shown).index;
+  const int person =
+      FindPerson(view, shown, JointsOfKeypoints(*motion.skeleton, evidence_->keypoint_names), motion, frame).index;
   const auto lines = MatchTracks(evidence_->keypoint_names, *fitted_->motion->skeleton).lines;
   const double factor = camera_.fx / view.camera.fx;
   const auto place = [&](const double* point) {
@@ -230,44 +230,6 @@ Expected<cv::Mat> ViewPainter::Draw(int frame) const {
   DrawBones(*fitted_->motion, frame, camera_, image);
   DrawKeypoints(frame, image);
   return image;
-}
-
-int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view) {
-  if (view.time_s.empty()) return -1;
-  const double time = motion.rate.FrameTime(frame);
-  const auto after = std::lower_bound(view.time_s.begin(), view.time_s.end(), time);
-  auto nearest = after == view.time_s.end() ? after - 1 : after;
-  if (nearest != view.time_s.begin() && time - *(nearest - 1) < *nearest - time) --nearest;
-  const double most = 0.5 / motion.rate.hz() + 1e-9;
-  return std::abs(*nearest - time) > most ? -1 : static_cast<int>(nearest - view.time_s.begin());
-}
-
-SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence, int keypoint_view, int image) {
-  constexpr double kFar = 0.25;  // of the body's height in the image
-  const KeypointView& view = evidence.keypoint_views[keypoint_view];
-  const std::vector<int> joints = JointsOfKeypoints(*motion.skeleton, evidence.keypoint_names);
-  double top = 1e9;
-  double bottom = -1e9;
-  for (int j = 0; j < motion.joint_count(); ++j) {
-    const auto at = view.camera.ProjectWorld(motion.joints.at(frame, j));
-    if (!at) continue;
-    top = std::min(top, at->y());
-    bottom = std::max(bottom, at->y());
-  }
-  SeenPerson nearest{-1, kFar * std::max(0.0, bottom - top)};
-  for (int p = 0; p < view.people; ++p) {
-    std::vector<double> distances;
-    for (std::size_t k = 0; k < joints.size(); ++k) {
-      const double* point = view.at(image, p, static_cast<int>(k));
-      if (joints[k] < 0 || !(point[2] > 0.0)) continue;
-      const auto at = view.camera.ProjectWorld(motion.joints.at(frame, joints[k]));
-      if (at) distances.push_back((*at - Vector2d(point[0], point[1])).norm());
-    }
-    if (distances.empty()) continue;
-    const double median = Median(std::move(distances));
-    if (median < nearest.median_px) nearest = {p, median};
-  }
-  return nearest;
 }
 
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame) {

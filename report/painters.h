@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/motion/clip.h"
+#include "core/quality/seen_person.h"
 #include "report/drawing.h"
 #include "report/filmstrip.h"
 #include "report/motion_rows.h"
@@ -74,15 +75,8 @@ class ViewPainter {
   double high_ = 1.0;
 };
 
-/// Index of the detected person that matches the fit: with the smallest median distance of the keypoints from the
-/// projected joints of the same names. -1 where none is within a quarter of the body's height in the image.
-struct SeenPerson {
-  int index = -1;
-  double median_px = 0.0;
-};
-SeenPerson FindPerson(const Motion& motion, int frame, const Evidence& evidence, int keypoint_view, int image);
-/// The image of a keypoint view nearest in time to a frame of the clip; -1 when none is within half a frame.
-int ImageOfFrame(const Motion& motion, int frame, const KeypointView& view);
+/// Joint of the skeleton for each keypoint; -1 for points that are not joints.
+std::vector<int> JointsOfKeypoints(const Skeleton& skeleton, const std::vector<std::string>& names);
 
 /// The fitted body from its front, the tracked points before it, time below.
 class FrontPainter {

@@ -45,6 +45,13 @@ struct FrameFit {
   PoseSolver solver = PoseSolver::kBanded;  ///< of searches; the fit that is the answer has that of the options
 };
 
+inline FrameFit FitOf(int frame, const PointCloudOptions& options) {
+  FrameFit fit;
+  fit.frame = frame;
+  fit.iterations = static_cast<int>(options.iterations);
+  return fit;
+}
+
 /// Fit of a pose that is compared with others of the same cloud.
 inline FrameFit ComparedFit(int frame, std::int64_t iterations, double widening = 1.0) {
   FrameFit fit;

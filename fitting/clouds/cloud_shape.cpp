@@ -87,7 +87,7 @@ class ShapeFit {
     for (int f = 0; f < static_cast<int>(clouds_.size()); ++f) {
       if (Status on = StopIfInterrupted("shape of a person in depth views"); !on) return Forward(on);
       figure.state.SetFrameParameters(f, person_.poses[f]);
-      const FrameFit fit{f, {}, 1.0, static_cast<int>(options_.iterations)};
+      const FrameFit fit = FitOf(f, options_);
       const auto fitted = FitCloudFrame(figure.body, clouds_[f], fit, figure.state, options_);
       if (!fitted) return Forward(fitted);
       person_.poses[f] = figure.state.FrameParameters(f);

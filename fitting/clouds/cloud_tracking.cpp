@@ -32,7 +32,7 @@ Status MeasureRadii(int frame, const PointCloudOptions& options, CloudTrack& tra
   for (int round = 0; round < kRadiusRounds; ++round) {
     track.state.Update(frame, frame + 1, false);
     CalibrateRadii(track.clouds, track.state, frame, frame + 1, options.max_distance, track.body);
-    const FrameFit fit{frame, {}, 1.0, static_cast<int>(options.iterations)};
+    const FrameFit fit = FitOf(frame, options);
     const auto fitted = FitCloudFrame(track.body, track.clouds[frame], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[frame] = *fitted;
@@ -81,7 +81,7 @@ Expected<bool> SearchAnew(int f, const PointCloudOptions& search, const PointClo
   const auto found = FindStart(track.body, track.clouds[f], f, search, state, StartSearch::kStancesAndLimbs);
   if (!found) return Forward(found);
   if (is_found(*found)) {
-    const FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations)};
+    const FrameFit fit = FitOf(f, options);
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;
@@ -116,7 +116,8 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     if (Status on = StopIfInterrupted("fit of depth views"); !on) return on;
     Predict(before, last, f, time_s, options.max_distance, track);
     // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
-    FrameFit fit{f, {{-1, time_s[f] - time_s[last]}}, 1.0, static_cast<int>(options.iterations)};
+    FrameFit fit = FitOf(f, options);
+    fit.held = {{-1, time_s[f] - time_s[last]}};
     fit.sigma = track.outcomes[last].sigma;
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);

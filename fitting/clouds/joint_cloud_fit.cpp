@@ -121,9 +121,7 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
   for (const int f : frames) {
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     if (alone != nullptr) state.SetFrameParameters(f, alone->FrameParameters(f));
-    FrameFit fit;
-    fit.frame = f;
-    fit.iterations = static_cast<int>(options.iterations);
+    const FrameFit fit = FitOf(f, options);
     const auto fitted = FitCloudFrame(body, clouds[f], fit, state, options);
     if (!fitted) return Forward(fitted);
     const auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
@@ -227,6 +225,22 @@ Status CheckBothShowOne(const Motion& motion, const std::vector<FusedCloud>& clo
                   " % of the depth points lie near the body of the joint tracks",
               motion.skeleton->name,
               "check that tracks and depth views are of one person, one clock and one world frame");
+}
+
+Status CheckTracks(const Motion& motion, const PoseCovariances& poses, const std::vector<FusedCloud>& clouds) {
+  if (static_cast<int>(clouds.size()) != motion.frame_count()) {
+    return Fail(ErrorCode::kInconsistent,
+                std::to_string(clouds.size()) + " frames of depth images, " + std::to_string(motion.frame_count()) +
+                    " of joint tracks",
+                "evidence", "fit one of them alone: fitting.method joint_tracks or point_clouds");
+  }
+  if (motion.position_cov.empty()) {
+    return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
+                "set fitting.joint_tracks.uncertainty to true, and let the last of its steps free the pose");
+  }
+  if (poses.empty())
+    return Fail(ErrorCode::kInternal, "the fit of the joint tracks has no pose covariances", "evidence");
+  return {};
 }
 
 /// Reports joints for which the modalities disagree although both are certain.
@@ -340,18 +354,7 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
                                        const PointCloudOptions& options) {
   const PoseCovariances poses = std::exchange(tracks.poses, {});
   const Motion& motion = tracks.motion;
-  if (static_cast<int>(clouds.size()) != motion.frame_count()) {
-    return Fail(ErrorCode::kInconsistent,
-                std::to_string(clouds.size()) + " frames of depth images, " + std::to_string(motion.frame_count()) +
-                    " of joint tracks",
-                "evidence", "fit one of them alone: fitting.method joint_tracks or point_clouds");
-  }
-  if (motion.position_cov.empty()) {
-    return Fail(ErrorCode::kInconsistent, "the fit of the joint tracks has no uncertainty", "evidence",
-                "set fitting.joint_tracks.uncertainty to true, and let the last of its steps free the pose");
-  }
-  if (poses.empty())
-    return Fail(ErrorCode::kInternal, "the fit of the joint tracks has no pose covariances", "evidence");
+  if (Status can = CheckTracks(motion, poses, clouds); !can) return Forward(can);
   CapsuleBody body = CapsuleBody::Make(motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length));
   PoseState state = StateOf(motion, body);
   const std::vector<int> shown = ShownFrames(clouds);
@@ -388,7 +391,9 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
     if (Status on = StopIfInterrupted("fit of joints and depth views"); !on) return Forward(on);
     const Expected<PoseGaussian> pose = PoseOf(motion, poses, f, factor, moving);
     if (!pose) return Forward(pose);
-    FrameFit fit{f, {}, 1.0, static_cast<int>(options.iterations), {}, &*pose, *surface_weight};
+    FrameFit fit = FitOf(f, options);
+    fit.pose = &*pose;
+    fit.point_weight = *surface_weight;
     fit.solver = options.solver;
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);

@@ -129,7 +129,11 @@ TEST(ClipSeries, KeypointsAreHeldAgainstThePersonNotTheBystander) {
   ASSERT_TRUE(series);
   EXPECT_THAT(series->residual_name, HasSubstr("px"));
   for (const double residual : series->residual) EXPECT_NEAR(residual, 3.0, 1e-6);
-  EXPECT_EQ(FindPerson(*input.clip.fitted.motion, 5, evidence, 0, 5).index, 1);
+  EXPECT_EQ(FindPerson(evidence.keypoint_views[0], 5,
+                       JointsOfKeypoints(*input.clip.fitted.motion->skeleton, evidence.keypoint_names),
+                       *input.clip.fitted.motion, 5)
+                .index,
+            1);
 }
 
 TEST(ClipPage, DrawsTheBodyOverKeypointsOfEveryView) {
