@@ -165,6 +165,12 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const std::vector<double
   if (!frames) return Forward(frames);
   auto smoothed = SmoothChain(body, clouds, *frames, time_s, cloud_options, state);
   if (!smoothed) return Forward(smoothed);
+  fit.initial_cost = smoothed->initial_cost;
+  fit.final_cost = smoothed->final_cost;
+  if (!smoothed->settled) {
+    fit.converged = false;
+    fit.termination = kUnsettledChain;
+  }
   std::vector<bool> fitted(clouds.size(), false);
   for (const FrameFit& frame : *frames) fitted[static_cast<std::size_t>(frame.frame)] = true;
   FillFrames(fitted, state);

@@ -267,9 +267,10 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
   StageOutcome outcome;
   outcome.findings = fit.findings;
   if (!fit.converged) {
-    outcome.findings.push_back(
-        MakeFinding("fit_not_converged", Severity::kWarning, fit.iterations,
-                    "the fit stopped after " + Counted(fit.iterations, "iteration") + ": " + fit.termination));
+    outcome.findings.push_back(MakeFinding("fit_not_converged", Severity::kWarning, fit.iterations,
+                                           "the fit stopped after " + Counted(fit.iterations, "iteration") +
+                                               " at the cost " + RoundedText(fit.final_cost, 6) + ": " +
+                                               fit.termination));
     outcome.kind = OutcomeKind::kSuspect;
   }
   if (!(fit.residual_rms <= kLargeResidual)) {

@@ -194,10 +194,10 @@ void FittingOptions::Declare(OptionVisitor& v) {
   v.Text("skeleton", skeleton, "skeleton of the fitted motion: a name or a YAML file");
   DeclareOtherJoints(v, other_joints);
   v.Choice("solver", solver, {{"ceres", PoseSolver::kCeres}, {"banded", PoseSolver::kBanded}},
-           "ceres, or a block-tridiagonal solver of the same terms, several times faster");
-  v.Number(
-      "check", check, Unit::kNone, {0.0, 1.0},
-      "share of the clips that are solved with the other solver too, from the same start; differences are findings");
+           "ceres, or a block-tridiagonal solver of the same terms, faster");
+  v.Number("check", check, Unit::kNone, {0.0, 1.0},
+           "share of the clips whose last solve is done by the other solver too, from the same start; differences are "
+           "findings");
   v.Group("repair", repair, "corrections of joint tracks before the fit");
   v.Group("joint_tracks", joint_tracks, "fit of tracked joints");
   v.Group("point_clouds", point_clouds, "fit of fused depth views");

@@ -32,7 +32,8 @@ enum class PoseSolver { kCeres, kBanded };
 struct PriorValues {
   double rest;            ///< rad, of a joint's angle from the rest pose (RestPoseSigmas scales it); without evidence
   double limit;           ///< rad, beyond a joint limit
-  double hinge;           ///< sine of the angle by which a shin or forearm leaves the plane of its hinge; 0: no hinges
+  double hinge;           ///< sine of the angle by which a shin or forearm leaves the plane of its hinge; 0: no hinges,
+                          ///< as always with depth, which shows how a limb lies
   double rotation_noise;  ///< rad per sqrt(s), process noise of each joint's rotation
   double position_noise;  ///< m per sqrt(s), process noise of positions
   bool all_joints;        ///< position noise and limits of all joints; else position noise of the root, limits of limbs

@@ -83,6 +83,7 @@ Status MeasureBodyOfBoth(const std::vector<Clip>& clips, const PersonClips& seen
   if (options.point_clouds.height) return {};
   JointTrackOptions quick = options.joint_tracks;
   quick.uncertainty = false;
+  quick.solver = PoseSolver::kBanded;
   std::vector<Motion> motions;
   std::vector<Clip> posed;
   for (std::size_t i = 0; i < seen.tracks.size(); ++i) {

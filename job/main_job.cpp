@@ -191,8 +191,25 @@ class MainJob {
     AddInput(SkeletonInput(options_.fitting.skeleton), fits.items);
     auto report = runs_.Run(FittingDeclaration(), std::move(fits.items));
     if (!report) return Forward(report);
+    if (Fits() && options_.fitting.check > 0.0) result_.check = CheckOf(report->items);
     for (std::size_t i = 0; i < report->items.size(); ++i) fits.clips[i]->motion = std::move(report->items[i]);
     return {};
+  }
+
+  /// How far apart both solvers ended, over the clips that both solved.
+  static nlohmann::json CheckOf(const std::vector<ItemResult>& items) {
+    nlohmann::json all = {
+        {"clips", 0}, {"of", items.size()}, {"differ", 0}, {"joint_worst_mm", 0.0}, {"cost_difference", 0.0}};
+    for (const ItemResult& item : items) {
+      const nlohmann::json summary = item.summary;
+      if (!summary.is_object() || !summary.contains("check")) continue;
+      const nlohmann::json& check = summary["check"];
+      all["clips"] = all["clips"].get<int>() + 1;
+      if (check.at("differ").get<bool>()) all["differ"] = all["differ"].get<int>() + 1;
+      for (const char* key : {"joint_worst_mm", "cost_difference"})
+        all[key] = std::max(all[key].get<double>(), check.value(key, 0.0));
+    }
+    return all;
   }
 
   Status ScoreFits() {

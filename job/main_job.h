@@ -27,6 +27,8 @@ struct JobResult {
   ClipCounts counts;
   int folders_failed = 0;    ///< of the folders, where ingest.source.other_files is error
   nlohmann::json fit_error;  ///< error against the truth; null without truth
+  /// Of fitting.check: {"clips", "of", "differ", "joint_worst_mm", "cost_difference"}; null where the share is 0.
+  nlohmann::json check;
   nlohmann::json audit;
   nlohmann::json metrics;
   nlohmann::json training = nlohmann::json::object();  ///< summary of each trained network, by item

@@ -36,16 +36,10 @@ double Widening(double first, int iteration) {
   return 1.0 + (first - 1.0) * std::max(0.0, 1.0 - static_cast<double>(iteration) / kWideMatchings);
 }
 
-double SigmaOf(const std::vector<CloudMatch>& matches) {
-  std::vector<double> distances;
-  for (const CloudMatch& match : matches) distances.push_back(match.distance);
-  return RobustSigma(std::move(distances));
-}
-
 /// Cost of the points that are not matched, each at the limit of the distance.
 double CostOfUnmatched(const SurfaceTerm& surface, const PointCloudOptions& options) {
   const double of_one = 0.5 * HuberValue(std::pow(surface.weight * options.max_distance, 2), surface.huber);
-  return of_one * (surface.cloud->size() - static_cast<double>(surface.matches.size()));
+  return of_one * (static_cast<double>(surface.points->cols()) - static_cast<double>(surface.matches.size()));
 }
 
 }  // namespace
@@ -56,13 +50,13 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
   const int frame = fit.frame;
   for (const FixedNeighbourFrame& neighbour : fit.held)
     state.Update(frame + neighbour.step, frame + neighbour.step + 1, true);
-  const double share = fit.point_weight * PatchShare(options);
   double sigma = fit.sigma;
   PoseTerms terms = CloudTerms(body, options);
   terms.frames = {TermsOfFit(body, cloud, fit, {}, 1.0, options)};
   SurfaceTerm& surface = terms.frames.front().surface;
+  const double share = surface.weight;
   BlockTridiagonal memory;
-  const SolveOptions solve{fit.solver, kRelativeTolerance, kSolverSteps, false, "fit of depth views", &memory};
+  const SolveOptions solve{fit.solver, kRelativeTolerance, kSolverSteps, "fit of depth views", &memory};
   const int rounds = fit.sigma > 0.0 ? 1 : kSigmaRounds;
   for (int round = 0; round < rounds; ++round) {
     outcome.converged = false;
@@ -72,7 +66,7 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
       state.Update(frame, frame + 1, false);
       const double widening = round == 0 ? Widening(fit.widening, i) : 1.0;
       surface.matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
-      outcome.sigma = SigmaOf(surface.matches);
+      outcome.sigma = RobustSigma(surface.matches);
       // Far starts: points weigh by how far they still are.
       if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = outcome.sigma;
       if (widening == 1.0 && fit.sigma > 0.0) sigma = fit.sigma;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/median.h"
 #include "core/body/bone_capsules.h"
@@ -58,6 +59,12 @@ double RobustSigma(std::vector<double> distances) {
   if (distances.empty()) return kLeastSurfaceSigma;
   for (double& distance : distances) distance = std::abs(distance);
   return std::max(kLeastSurfaceSigma, kMadToSigma * MeanMedian(distances));
+}
+
+double RobustSigma(const std::vector<CloudMatch>& matches) {
+  std::vector<double> distances;
+  for (const CloudMatch& match : matches) distances.push_back(match.distance);
+  return RobustSigma(std::move(distances));
 }
 
 void CalibrateRadii(const std::vector<FusedCloud>& clouds, const PoseState& state, int begin, int end,

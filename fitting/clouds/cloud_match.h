@@ -1,11 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <vector>
 
-#include "core/body/capsule_body.h"
 #include "fitting/clouds/depth_fusion.h"
-#include "fitting/terms/pose_state.h"
+#include "fitting/terms/surface.h"
 
 namespace mocurate {
 
@@ -16,19 +14,6 @@ inline constexpr double kUnknownShape = 3.0;
 /// m; mean movement of the joints at convergence of a fit, well below the error of the body (numerical).
 inline constexpr double kSettled = 1e-3;
 
-/// Ends of a capsule in a frame of a state. Needs Update.
-inline CapsuleEnds EndsOf(const BodyCapsule& capsule, const PoseState& state, int frame) {
-  return EndsOf(capsule, state.global(frame, capsule.frame), state.position(frame, capsule.frame),
-                state.position(frame, capsule.end_joint));
-}
-
-/// A point and its matched capsule.
-struct CloudMatch {
-  int point = 0;
-  int capsule = 0;
-  double distance = 0.0;  ///< m, signed
-};
-
 /// Nearest capsule of every point within `max_distance`, in the order of the points. A capsule whose surface normal
 /// differs from the point's counts as farther. Needs PoseState::Update of the frame.
 std::vector<CloudMatch> MatchPoints(const CapsuleBody& body, const PoseState& state, int frame, const FusedCloud& cloud,
@@ -36,6 +21,7 @@ std::vector<CloudMatch> MatchPoints(const CapsuleBody& body, const PoseState& st
 
 /// Robust standard deviation of distances about zero, at least 3 mm.
 double RobustSigma(std::vector<double> distances);
+double RobustSigma(const std::vector<CloudMatch>& matches);
 
 /// Estimates radii: for each capsule the median distance of its points to its axis, left and right together. Shrinks to
 /// the previous radius when points are few. Uses frames [begin, end) of the state.

@@ -55,10 +55,12 @@ struct PointRows {
   int frame;
   const PoseColumns* columns;
   std::vector<double> r{};
+  std::vector<double> root{};  ///< of the slopes of their losses
   std::vector<Eigen::RowVectorXd> by_pose{};
 
   void operator()(const BodyRows<1>& rows) {
     r.push_back(rows.r[0]);
+    root.push_back(std::sqrt(rows.Slope()));
     if (columns == nullptr) return;
     Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(columns->size());
     row.head<3>() = rows.a.head<3>();
@@ -130,7 +132,6 @@ class ShapeFit {
     terms.frames = {TermsOfFit(figure.body, cloud, fit,
                                MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance), sigma,
                                options_)};
-    const SurfaceTerm& surface = terms.frames.front().surface;
     PoseEquations pose(figure.state);
     BlockTridiagonal equations(1, pose.columns().size());
     pose.Linearise(terms, figure.state, equations);
@@ -154,7 +155,7 @@ class ShapeFit {
       by_shape.col(k) = (Eigen::Map<const Eigen::VectorXd>(there.r.data(), count) - residual) / kTinyStep;
     }
     for (Eigen::Index i = 0; i < count; ++i) {
-      const double root = std::sqrt(HuberSlope(Square(residual[i]), surface.huber));
+      const double root = here.root[static_cast<std::size_t>(i)];
       residual[i] *= root;
       by_pose.row(i) = root * here.by_pose[static_cast<std::size_t>(i)];
       by_shape.row(i) *= root;

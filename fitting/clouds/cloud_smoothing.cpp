@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fitting/clouds/cloud_terms.h"
+#include "fitting/solver/one_thread.h"
 #include "fitting/solver/pose_equations.h"
 #include "fitting/solver/solve.h"
 
@@ -27,31 +28,31 @@ class ChainPart {
       : terms_(CloudTerms(body, options)), options_(options), state_(state) {
     for (std::size_t i = 0; i < chain.size(); ++i) {
       const auto f = static_cast<std::size_t>(chain[i].frame);
-      terms_.frames.push_back(TermsOfFit(body, clouds[f], chain[i], {}, 1.0, options));
+      FrameFit fit = chain[i];
+      fit.held.clear();
+      clouds_.push_back(&clouds[f]);
+      terms_.frames.push_back(TermsOfFit(body, clouds[f], fit, {}, 1.0, options));
+      state.Update(fit.frame, fit.frame + 1, true);
       if (i + 1 == chain.size()) break;
       const double step = time_s[static_cast<std::size_t>(chain[i + 1].frame)] - time_s[f];
       if (step <= kLongestStep_s) terms_.frames.back().next = StepInClouds(state.joints(), step, options);
     }
     Match();
-    for (FrameTerms& frame : terms_.frames) {
-      std::vector<double> distances;
-      for (const CloudMatch& match : frame.surface.matches) distances.push_back(match.distance);
-      frame.surface.weight /= RobustSigma(std::move(distances));
-    }
+    for (FrameTerms& frame : terms_.frames) frame.surface.weight /= RobustSigma(frame.surface.matches);
   }
 
   /// Matches and solves in turn: a step that lowers the cost, then other matches, until the joints settle.
-  Status Solve(SmoothedChain& chain) {
-    const SolveOptions solve{options_.solver, kTolerance, kTries, true, "fit of depth views", &equations_};
+  Status MatchAndSolve(SmoothedChain& chain) {
+    const SolveOptions solve{options_.solver, kTolerance, kTries, "fit of depth views", &equations_, true};
     double cost = 0.0;
     bool settled = false;
     for (int round = 0; round < kPathRounds && !settled; ++round) {
       const std::vector<Vector3d> before = Joints();
-      const auto solution = mocurate::Solve(terms_, state_, solve);
+      const auto solution = Solve(terms_, state_, solve);
       if (!solution) return Forward(solution);
       if (round == 0) chain.initial_cost += solution->initial_cost;
       cost = solution->final_cost;
-      settled = !(solution->final_cost < solution->initial_cost) || LargestMove(before) < kSettled;
+      settled = solution->converged && LargestMove(before) < kSettled;
       Match();
     }
     chain.final_cost += cost;
@@ -61,6 +62,7 @@ class ChainPart {
 
   /// Uncertainty of the frames [from, to) of the part, in order, at the present poses.
   Status Uncertainty(std::size_t from, std::size_t to, CloudUncertainty* out) {
+    const OneThread one_thread;
     PoseEquations pose(state_);
     equations_.Resize(static_cast<int>(terms_.frames.size()), pose.columns().size());
     pose.Linearise(terms_, state_, equations_);
@@ -80,11 +82,11 @@ class ChainPart {
   }
 
  private:
+  /// The kinematics are up to date.
   void Match() {
-    for (FrameTerms& frame : terms_.frames) {
-      state_.Update(frame.frame, frame.frame + 1, true);
-      frame.surface.matches =
-          MatchPoints(*terms_.body, state_, frame.frame, *frame.surface.cloud, options_.max_distance);
+    for (std::size_t i = 0; i < clouds_.size(); ++i) {
+      FrameTerms& frame = terms_.frames[i];
+      frame.surface.matches = MatchPoints(*terms_.body, state_, frame.frame, *clouds_[i], options_.max_distance);
     }
   }
 
@@ -109,6 +111,7 @@ class ChainPart {
   }
 
   PoseTerms terms_;
+  std::vector<const FusedCloud*> clouds_;  ///< of the terms' frames
   const PointCloudOptions& options_;
   PoseState& state_;
   BlockTridiagonal equations_;
@@ -129,7 +132,7 @@ Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<F
         chain.begin() + static_cast<std::ptrdiff_t>(first),
         chain.begin() + static_cast<std::ptrdiff_t>(std::min(chain.size(), end + kContext)));
     ChainPart part(body, clouds, frames, time_s, options, state);
-    if (Status solved = part.Solve(smoothed); !solved) return Forward(solved);
+    if (Status solved = part.MatchAndSolve(smoothed); !solved) return Forward(solved);
     if (options.uncertainty) {
       if (Status added = part.Uncertainty(begin - first, end - first, &smoothed.uncertainty[begin]); !added)
         return Forward(added);

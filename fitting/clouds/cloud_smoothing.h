@@ -7,6 +7,10 @@
 
 namespace mocurate {
 
+/// Termination of a chain that did not settle.
+inline constexpr const char* kUnsettledChain =
+    "all frames together are matched and solved ten times, and joints still move by more than a millimetre";
+
 /// Result of a chain.
 struct SmoothedChain {
   std::vector<CloudUncertainty> uncertainty;  ///< of each of its frames; empty ones without options.uncertainty

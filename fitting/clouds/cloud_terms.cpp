@@ -55,7 +55,7 @@ FrameTerms TermsOfFit(const CapsuleBody& body, const FusedCloud& cloud, const Fr
   FrameTerms terms;
   terms.frame = fit.frame;
   terms.points = fit.joints;
-  terms.surface = {&cloud, std::move(matches), share / sigma, share * options.huber_sigmas};
+  terms.surface = {&cloud.points, std::move(matches), share / sigma, share * options.huber_sigmas};
   terms.pose = fit.pose;
   terms.priors = PriorsInClouds(*body.skeleton, fit.pose, options);
   const int joints = body.skeleton->joint_count();

@@ -22,7 +22,7 @@ std::vector<JointPrior> PriorsInClouds(const Skeleton& skeleton, const PoseGauss
 /// Process noise of a depth fit over a time.
 StepTerm StepInClouds(int joints, double seconds, const PointCloudOptions& options);
 
-/// Terms without frames of a depth fit.
+/// Terms without frames of a depth fit, which has no hinges.
 PoseTerms CloudTerms(const CapsuleBody& body, const PointCloudOptions& options);
 
 /// Terms of a frame that is fitted: matched points, weighted with `sigma` (m, of a point's distance), what else the fit

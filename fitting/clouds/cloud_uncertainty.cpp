@@ -14,6 +14,7 @@
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/cloud_match.h"
 #include "fitting/clouds/cloud_terms.h"
+#include "fitting/solver/one_thread.h"
 #include "fitting/solver/rest_sigmas.h"
 #include "fitting/terms/huber.h"
 #include "fitting/uncertainty/body_sigma.h"
@@ -44,6 +45,7 @@ CloudUncertainty UncertaintyOfCovariance(const PoseColumns& columns, const Skele
 
 Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                               double sigma, PoseState& state, const PointCloudOptions& options) {
+  const OneThread one_thread;
   state.Update(fit.frame, fit.frame + 1, true);
   PoseTerms terms = CloudTerms(body, options);
   terms.frames = {

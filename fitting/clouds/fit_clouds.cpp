@@ -275,7 +275,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
     result.termination =
         "iteration limit in " + std::to_string(unsettled) + " of " + std::to_string(track->outcomes.size()) + " frames";
   } else if (!settled) {
-    result.termination = "iteration limit of the fit of all frames together";
+    result.termination = kUnsettledChain;
   }
   return result;
 }

@@ -380,6 +380,7 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
     factor = VarianceInflation(motion, clouds, shown, body, options, *alone);
   for (std::size_t j = 0; j < known.size(); ++j) factor[j] = known[j] ? factor[j] : 0.0;
   FitResult result = tracks;
+  result.initial_cost = result.final_cost = 0.0;  // of the frames, each with what the tracks know
   ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
   std::vector<Vector3d> body_rotation(known.size(), Vector3d::Zero());
@@ -406,6 +407,8 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
       residuals.push_back(std::abs(match.distance));
     }
     result.iterations += fitted->iterations;
+    result.initial_cost += fitted->initial_cost;
+    result.final_cost += fitted->final_cost;
     if (!fitted->converged) ++unsettled;
   }
   if (unsettled > 0) {

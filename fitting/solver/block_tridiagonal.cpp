@@ -72,10 +72,6 @@ void BlockTridiagonal::SetZero(int f) {
   std::fill_n(panel_.begin() + static_cast<std::ptrdiff_t>(Panel(f)), Panel(1), 0.0);
 }
 
-void BlockTridiagonal::SetZero() {
-  for (int f = 0; f < blocks_; ++f) SetZero(f);
-}
-
 Eigen::VectorXd BlockTridiagonal::DiagonalEntries() const {
   Eigen::VectorXd entries(blocks_ * size_);
   for (int f = 0; f < blocks_; ++f) {

@@ -25,7 +25,6 @@ class BlockTridiagonal {
   int blocks() const { return blocks_; }
   int size() const { return size_; }
 
-  void SetZero();
   /// D_f, O_f and g_f. Call shortly before summation, while they are in the cache.
   void SetZero(int f);
   /// D_f: only its upper triangle is read.

@@ -130,6 +130,7 @@ struct SpanResidual {
 /// Of a present length: its prior sigma and the least that it may become, metres.
 void FitLengths(const std::vector<Span>& spans, const std::function<std::pair<double, double>(double)>& prior,
                 BoneEstimate& bones) {
+  if (spans.empty()) return;
   ceres::Problem problem;
   std::vector<bool> known(bones.length.size(), false);
   for (const Span& span : spans) {
@@ -151,7 +152,6 @@ void FitLengths(const std::vector<Span>& spans, const std::function<std::pair<do
       problem.SetParameterLowerBound(&length, 0, least);
     }
   }
-  if (spans.empty()) return;
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.function_tolerance = 1e-12;

@@ -46,11 +46,7 @@ class CeresPoses::BlockCost final : public ceres::CostFunction {
 class CeresPoses::Rows {
  public:
   explicit Rows(CeresPoses& of)
-      : of_(of),
-        bodies_(of.terms_.frames.size() * Joints()),
-        joints_(bodies_.size()),
-        poses_(of.terms_.frames.size()),
-        twists_(bodies_.size()) {
+      : of_(of), bodies_(of.terms_.frames.size() * Joints()), joints_(bodies_.size()), twists_(bodies_.size()) {
     for (int j = 0; j < of.state_.joints(); ++j) {
       moving_.push_back(of.state_.path(j));
       if (of.state_.active(j)) moving_.back().push_back(j);
@@ -59,7 +55,7 @@ class CeresPoses::Rows {
 
   void Evaluate(bool derivatives) {
     derivatives_ = derivatives;
-    steps_ = 0;
+    next_ = 0;
     for (auto& stack : bodies_) stack.Clear();
     for (auto& stack : joints_) stack.Clear();
     for (std::size_t at = 0; derivatives && at < twists_.size(); ++at) {
@@ -80,11 +76,9 @@ class CeresPoses::Rows {
 
   template <int K>
   void operator()(const BodyRows<K>& rows) {
-    const double square = rows.r.squaredNorm();
-    const double slope = rows.huber > 0.0 ? HuberSlope(square, rows.huber) : 1.0;
     auto& stack = bodies_[At(rows.frame, rows.carrier)];
-    stack.excess += (rows.huber > 0.0 ? HuberValue(square, rows.huber) : square) - slope * square;
-    const double root = std::sqrt(slope);
+    stack.excess += rows.Loss() - rows.Slope() * rows.r.squaredNorm();
+    const double root = std::sqrt(rows.Slope());
     for (int k = 0; k < K; ++k) {
       Eigen::Matrix<double, 1, 7> row = Eigen::Matrix<double, 1, 7>::Zero();
       if (derivatives_) row.head<6>() = root * rows.a.row(k);
@@ -103,25 +97,24 @@ class CeresPoses::Rows {
     }
   }
   void operator()(const PoseRows& rows) {
-    Block*& block = poses_[static_cast<std::size_t>(rows.frame)];
-    if (block == nullptr) {
+    Block& block = Next(rows.r.size(), [&] {
       std::vector<double*> parameters{Translation(rows.frame)};
       for (const int j : rows.joints) parameters.push_back(Rotation(rows.frame, j));
-      block = &Make(std::move(parameters), rows.r.size());
-    }
-    block->residual = rows.r;
-    for (std::size_t k = 0; derivatives_ && k < block->jacobians.size(); ++k)
-      block->jacobians[k] = rows.j.middleCols<3>(3 * static_cast<Eigen::Index>(k));
+      return parameters;
+    });
+    block.residual = rows.r;
+    for (std::size_t k = 0; derivatives_ && k < block.jacobians.size(); ++k)
+      block.jacobians[k] = rows.j.middleCols<3>(3 * static_cast<Eigen::Index>(k));
   }
   void operator()(const RotationStepRows& rows) {
-    Block& block = NextStep([&] {
+    Block& block = Next(3, [&] {
       return std::vector{Rotation(rows.frame, rows.joint), Rotation(rows.frame + 1, rows.joint)};
     });
     block.residual = rows.r;
     if (derivatives_) block.jacobians = {rows.before, rows.after};
   }
   void operator()(const MoveRows& rows) {
-    Block& block = NextStep([&] {
+    Block& block = Next(3, [&] {
       std::vector<double*> parameters = ParametersOf(rows.frame, rows.carrier);
       const std::vector<double*> next = ParametersOf(rows.frame + 1, rows.carrier);
       parameters.insert(parameters.end(), next.begin(), next.end());
@@ -164,11 +157,11 @@ class CeresPoses::Rows {
     block.residual.resize(rows);
     return block;
   }
-  /// Steps come in the same order at every evaluation.
+  /// Of rows that are a block of their own: they come in the same order at every evaluation.
   template <class Parameters>
-  Block& NextStep(Parameters&& parameters) {
-    if (steps_ == step_blocks_.size()) step_blocks_.push_back(&Make(parameters(), 3));
-    return *step_blocks_[steps_++];
+  Block& Next(Eigen::Index rows, Parameters&& parameters) {
+    if (next_ == own_.size()) own_.push_back(&Make(parameters(), rows));
+    return *own_[next_++];
   }
   /// Jacobians of rows with the derivative `a` in a body's twist, from the `first` parameter block on.
   template <class Derivative>
@@ -211,11 +204,10 @@ class CeresPoses::Rows {
   bool derivatives_ = true;
   std::vector<Stack<7>> bodies_;  ///< (frames * J)
   std::vector<Stack<4>> joints_;
-  std::vector<Block*> poses_;             ///< (frames)
   std::vector<Twist> twists_;             ///< (frames * J)
   std::vector<std::vector<int>> moving_;  ///< (J) joints whose rotations move a body: those at and above its carrier
-  std::vector<Block*> step_blocks_;
-  std::size_t steps_ = 0;
+  std::vector<Block*> own_;
+  std::size_t next_ = 0;
 };
 
 CeresPoses::CeresPoses(const PoseTerms& terms, PoseState& state) : terms_(terms), state_(state) {
@@ -265,7 +257,8 @@ Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, cons
   solver.linear_solver_type = terms.frames.size() == 1 ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   solver.num_threads = 1;
-  solver.function_tolerance = options.one_step ? 0.0 : 1e-3 * options.relative_tolerance;  // rounding at the minimum
+  solver.function_tolerance = 1e-3 * options.relative_tolerance;  // rounding at the minimum
+  solver.max_num_consecutive_invalid_steps = options.max_iterations;
   solver.gradient_tolerance = 1e-12;
   solver.parameter_tolerance = 1e-12;
   solver.max_num_iterations = options.max_iterations;
@@ -274,6 +267,7 @@ Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, cons
   solver.callbacks = {&stop};
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &poses.problem(), &summary);
+  for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
   if (Status on = StopIfInterrupted(options.of); !on) return Forward(on);
   if (!summary.IsSolutionUsable()) {
     return Fail(
@@ -281,7 +275,6 @@ Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, cons
         "frames " + std::to_string(terms.frames.front().frame) + " to " + std::to_string(terms.frames.back().frame),
         "check that these frames show a person, in metres");
   }
-  for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
   Solution solution;
   solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
   solution.initial_cost = summary.initial_cost;

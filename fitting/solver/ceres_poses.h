@@ -4,6 +4,7 @@
 #include <ceres/problem.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "fitting/solver/solve.h"
@@ -35,6 +36,10 @@ class CeresPoses final : public ceres::EvaluationCallback {
   std::unique_ptr<ceres::Problem> problem_;
   bool has_derivatives_ = false;
 };
+
+/// "frames A to B", and what to check there, for messages.
+std::string FramesOf(const PoseTerms& terms);
+inline constexpr const char* kCheckFrames = "check that these frames show a person, in metres";
 
 Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, const SolveOptions& options);
 

@@ -33,14 +33,18 @@ Status SolveWindows(const TrackProblem& problem, const TrackStep& step, PoseSolv
   const int stride = std::max(1, length - static_cast<int>(options.window_overlap));
   result.converged = true;
   result.termination = "converged";
-  // Windows overlap: the sum of their costs would count frames twice.
   const bool several = frames > length;
-  const auto cost_of_all = [&] { return Cost(problem.Terms(0, frames, false), problem.state); };
+  const auto cost_of_all = [&] {  // windows overlap: the sum of their costs would count frames twice
+    double cost = 0.0;
+    for (int begin = 0; begin < frames; begin += length)
+      cost += Cost(problem.Terms(begin, std::min(begin + length, frames), begin > 0), problem.state);
+    return cost;
+  };
   if (several) result.initial_cost = cost_of_all();
   for (int begin = 0; begin < frames; begin += stride) {
     const int end = frames - begin <= length ? frames : begin + length;
     const auto solution = Solve(problem.Terms(begin, end, begin > 0), problem.state,
-                                {solver, step.relative_tolerance, static_cast<int>(step.max_iterations), false,
+                                {solver, step.relative_tolerance, static_cast<int>(step.max_iterations),
                                  "fit of joint tracks", problem.memory});
     if (!solution) return tl::unexpected<Error>(solution.error());
     result.iterations += solution->iterations;
@@ -48,7 +52,9 @@ Status SolveWindows(const TrackProblem& problem, const TrackStep& step, PoseSolv
     result.final_cost = solution->final_cost;
     if (!solution->converged) {
       result.converged = false;
-      result.termination = solution->exhausted ? "no step reduces the cost" : "iteration limit";
+      result.termination = (solution->exhausted ? "no step reduces the cost" : "iteration limit") +
+                           (" in frames " + std::to_string(begin) + " to " + std::to_string(end - 1)) +
+                           " (fitting.joint_tracks.steps: max_iterations)";
     }
     if (end == frames) break;
   }

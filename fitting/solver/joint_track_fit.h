@@ -9,12 +9,9 @@
 
 namespace mocurate {
 
-/// Skeleton motion that explains joint tracks: minimises
-///   1/2 [ sum Huber(|c (p - observed) / sigma|^2) + sum |Log(R_f^T R_f+1)|^2 / (q_r^2 dt)
-///         + sum |p_f+1 - p_f|^2 / (q_p^2 dt) + sum Huber(|c Log(observed^T G) / sigma|^2) over recorded rotations
-///         + sum |w|^2 / rest_sigma^2 + joint limits ]
-/// over root translation and one rotation vector per joint and frame, from the closed-form start (Levenberg-Marquardt,
-/// sparse Cholesky, one thread). Process noises q_r, q_p are increased where the noise is not white
+/// Skeleton motion that explains joint tracks: positions, recorded rotations, process noise of rotations and positions,
+/// rest pose, limits and hinges (terms/terms.h), over root translation and one rotation vector per joint and frame,
+/// from the closed-form start. Process noises q_r, q_p are increased where the noise is not white
 /// (ProcessNoiseWidening), and refitted per joint and time by steps that request it (RefitProcessNoise). F frames of
 /// `given` at `rate`; `bone_length` (J, metres). Joints whose rotation moves no observed joint stay in the rest pose.
 /// Samples that jump away and back are rejected first (RejectOutliers). States: observed where observed and not

@@ -52,9 +52,8 @@ struct PoseEquations::Rows {
 
   template <int K>
   void operator()(const BodyRows<K>& rows) {
-    const double slope = rows.huber > 0.0 ? HuberSlope(rows.r.squaredNorm(), rows.huber) : 1.0;
     BodyInformation& sum = sums.here_[static_cast<std::size_t>(rows.carrier)];
-    const Eigen::Matrix<double, K, 6> weighted = slope * rows.a;
+    const Eigen::Matrix<double, K, 6> weighted = rows.Slope() * rows.a;
     sum.information.noalias() += weighted.transpose() * rows.a;
     sum.gradient.noalias() += weighted.transpose() * rows.r;
   }
@@ -158,9 +157,12 @@ void PoseEquations::Linearise(const PoseTerms& terms, const PoseState& state, Bl
     const int block = static_cast<int>(i);
     VisitFrame<true>(terms, state, block, rows);
     std::fill(next_.begin(), next_.end(), BodyInformation());
-    const bool coupled = i + 1 < terms.frames.size() && !terms.frames[i].next.rotation.empty();
-    if (i + 1 < terms.frames.size()) equations.SetZero(block + 1), set_twists(i + 1, twist_next_);
-    if (coupled) {
+    const bool has_next = i + 1 < terms.frames.size();
+    if (has_next) {
+      equations.SetZero(block + 1);
+      set_twists(i + 1, twist_next_);
+    }
+    if (has_next && !terms.frames[i].next.rotation.empty()) {
       std::fill(across_.begin(), across_.end(), Matrix6d(Matrix6d::Zero()));
       VisitNext<true>(terms, state, block, rows);
       AddNext(state, equations.Next(block));

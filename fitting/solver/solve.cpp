@@ -21,6 +21,9 @@ Expected<Solution> SolveBanded(const PoseTerms& terms, PoseState& state, const S
   Eigen::VectorXd unknowns = pose.columns().Read(terms, state);
   Solution solution;
   double cost = solution.initial_cost = Cost(terms, state);
+  if (!std::isfinite(cost)) {
+    return Fail(ErrorCode::kInconsistent, "the cost of the initial pose is not finite", FramesOf(terms), kCheckFrames);
+  }
   bool moved = true;
   while (solution.iterations < options.max_iterations && !region.exhausted()) {
     if (Status on = StopIfInterrupted(options.of); !on) return Forward(on);
@@ -65,15 +68,13 @@ Expected<Solution> SolveBanded(const PoseTerms& terms, PoseState& state, const S
 
 }  // namespace
 
+std::string FramesOf(const PoseTerms& terms) {
+  return "frames " + std::to_string(terms.frames.front().frame) + " to " + std::to_string(terms.frames.back().frame);
+}
+
 Expected<Solution> Solve(const PoseTerms& terms, PoseState& state, const SolveOptions& options) {
   const OneThread one_thread;
   for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
-  if (!std::isfinite(Cost(terms, state))) {
-    return Fail(
-        ErrorCode::kInconsistent, "the cost of the initial pose is not finite",
-        "frames " + std::to_string(terms.frames.front().frame) + " to " + std::to_string(terms.frames.back().frame),
-        "check that these frames show a person, in metres");
-  }
   return options.solver == PoseSolver::kBanded ? SolveBanded(terms, state, options)
                                                : SolveWithCeres(terms, state, options);
 }

@@ -14,16 +14,17 @@ StepTerm TrackProblem::StepAfter(int frame) const {
   StepTerm step;
   for (int j = 0; j < tracks.joints() && Joined(frame); ++j) {
     step.rotation.push_back(1.0 / RotationVariance(frame, j));
-    step.move.push_back(1.0 / MoveVariance(frame, j));
+    step.move.push_back(options.priors.all_joints || j == 0 ? 1.0 / MoveVariance(frame, j) : 0.0);
   }
   return step;
 }
 
-PoseTerms TrackProblem::Terms(int begin, int end, bool after_fixed) const {
+PoseTerms TrackProblem::Terms(int begin, int end, bool after_fixed) const& {
   PoseTerms terms;
   terms.huber = options.huber_sigmas;
   terms.limit = 1.0 / options.priors.limit;
-  terms.hinge = 1.0 / options.priors.hinge;
+  const bool hinged = options.priors.hinge > 0.0;
+  if (hinged) terms.hinge = 1.0 / options.priors.hinge;
   terms.frames.resize(static_cast<std::size_t>(end - begin));
   for (int f = begin; f < end; ++f) {
     FrameTerms& frame = terms.frames[static_cast<std::size_t>(f - begin)];
@@ -37,7 +38,7 @@ PoseTerms TrackProblem::Terms(int begin, int end, bool after_fixed) const {
         frame.rotations.push_back({j, rotations->world_from_joint[at].toRotationMatrix(), rotations->weight[at]});
       const auto& limits = tracks.skeleton->joints[static_cast<std::size_t>(j)].limits;
       const auto& hinge = hinges[static_cast<std::size_t>(j)];
-      frame.priors.push_back({RestInformation(f, j), limits ? &*limits : nullptr, hinge ? &*hinge : nullptr});
+      frame.priors.push_back({RestInformation(f, j), limits ? &*limits : nullptr, hinged && hinge ? &*hinge : nullptr});
     }
     if (f + 1 < end) frame.next = StepAfter(f);
     if (f == begin && after_fixed) frame.fixed.push_back({f - 1, StepAfter(f - 1)});

@@ -69,7 +69,9 @@ struct TrackProblem {
   Matrix3d RobustInformation(int frame, int joint) const;
 
   /// Terms of the frames [begin, end). `after_fixed`: frame begin - 1 is fixed, and coupled by process noise.
-  PoseTerms Terms(int begin, int end, bool after_fixed) const;
+  /// They point to the hinges of this.
+  PoseTerms Terms(int begin, int end, bool after_fixed) const&;
+  PoseTerms Terms(int begin, int end, bool after_fixed) const&& = delete;
 
  private:
   StepTerm StepAfter(int frame) const;

@@ -8,8 +8,7 @@ struct SumOfSquares {
 
   template <int K>
   void operator()(const BodyRows<K>& rows) {
-    const double square = rows.r.squaredNorm();
-    twice += rows.huber > 0.0 ? HuberValue(square, rows.huber) : square;
+    twice += rows.Loss();
   }
   template <class Rows>
   void operator()(const Rows& rows) {

@@ -1,16 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
-#include "core/body/capsule_body.h"
 #include "core/geometry/rotation.h"
-#include "fitting/clouds/cloud_match.h"
 #include "fitting/terms/hinge.h"
 #include "fitting/terms/huber.h"
 #include "fitting/terms/pose_gaussian.h"
-#include "fitting/terms/pose_state.h"
+#include "fitting/terms/surface.h"
 
 namespace mocurate {
 
@@ -39,6 +39,10 @@ struct BodyRows {
   Eigen::Matrix<double, K, 1> r;
   Eigen::Matrix<double, K, 6> a;  ///< dr / d(v, w)
   double huber = 0.0;             ///< |r| from which the loss is linear; 0: squared everywhere
+
+  /// rho(|r|^2) of Huber's loss, and its slope there.
+  double Loss() const { return huber > 0.0 ? HuberValue(r.squaredNorm(), huber) : r.squaredNorm(); }
+  double Slope() const { return huber > 0.0 ? HuberSlope(r.squaredNorm(), huber) : 1.0; }
 };
 
 /// K residuals of one joint's rotation vector in a frame.
@@ -54,14 +58,14 @@ struct JointRows {
 struct RotationStepRows {
   int frame = 0;
   int joint = 0;
-  Vector3d r;
-  Matrix3d before, after;
+  Vector3d r = Vector3d::Zero();
+  Matrix3d before = Matrix3d::Zero(), after = Matrix3d::Zero();
 };
 struct MoveRows {
   int frame = 0;
   int carrier = 0;
-  Vector3d r;
-  Matrix36d before, after;
+  Vector3d r = Vector3d::Zero();
+  Matrix36d before = Matrix36d::Zero(), after = Matrix36d::Zero();
 };
 
 /// Residuals of a frame's translation and of the rotation vectors of some joints, three columns each.
@@ -93,7 +97,7 @@ struct RotationTerm {
 /// axis. The place of q on the axis contributes nothing: it is a minimum or stays at an end.
 /// Degenerate: a point on the axis itself has no direction: zero derivative.
 struct SurfaceTerm {
-  const FusedCloud* cloud = nullptr;  ///< null: none
+  const Eigen::Matrix3Xd* points = nullptr;  ///< (3,N) world, m; null: none
   std::vector<CloudMatch> matches{};
   double weight = 0.0;  ///< 1/m
   double huber = 0.0;
@@ -148,7 +152,7 @@ template <bool kDerivatives, class Visitor>
 void VisitSurface(const PoseTerms& terms, const PoseState& state, int index, Visitor&& visit) {
   const FrameTerms& frame = terms.frames[static_cast<std::size_t>(index)];
   const SurfaceTerm& surface = frame.surface;
-  if (surface.cloud == nullptr) return;
+  if (surface.points == nullptr) return;
   std::vector<CapsuleEnds> ends;
   for (const BodyCapsule& capsule : terms.body->capsules) ends.push_back(EndsOf(capsule, state, frame.frame));
   const Vector3d& root = state.position(frame.frame, 0);
@@ -158,7 +162,7 @@ void VisitSurface(const PoseTerms& terms, const PoseState& state, int index, Vis
   for (const CloudMatch& match : surface.matches) {
     const BodyCapsule& capsule = terms.body->capsules[static_cast<std::size_t>(match.capsule)];
     const CapsuleEnds& axis = ends[static_cast<std::size_t>(match.capsule)];
-    const Vector3d point = surface.cloud->points.col(match.point);
+    const Vector3d point = surface.points->col(match.point);
     const Vector3d nearest = axis.begin + PlaceOnAxis(axis.begin, axis.end, point) * (axis.end - axis.begin);
     const Vector3d away = point - nearest;
     const double distance = away.norm();
@@ -166,7 +170,7 @@ void VisitSurface(const PoseTerms& terms, const PoseState& state, int index, Vis
     rows.carrier = capsule.frame;
     if constexpr (kDerivatives) {
       const Vector3d pull = distance > 0.0 ? Vector3d(-surface.weight / distance * away) : Vector3d(Vector3d::Zero());
-      rows.a << pull.transpose(), (nearest - root).cross(pull).transpose();
+      rows.a.noalias() = pull.transpose() * PointMotion(nearest - root);
     }
     visit(rows);
   }
@@ -184,8 +188,7 @@ void VisitObservations(const PoseTerms& terms, const PoseState& state, int index
     rows.r.noalias() = term.whitening * (position - term.seen);
     rows.carrier = std::max(0, state.parent(term.joint));
     if constexpr (kDerivatives) {
-      rows.a.template leftCols<3>() = term.whitening;
-      rows.a.template rightCols<3>().noalias() = term.whitening * Hat(state.position(f, 0) - position);
+      rows.a.noalias() = term.whitening * PointMotion(position - state.position(f, 0));
     }
     visit(rows);
   }
@@ -202,7 +205,7 @@ void VisitObservations(const PoseTerms& terms, const PoseState& state, int index
   }
 }
 
-template <class Visitor>
+template <bool kDerivatives, class Visitor>
 void VisitPriors(const PoseTerms& terms, const PoseState& state, int index, Visitor&& visit) {
   const FrameTerms& frame = terms.frames[static_cast<std::size_t>(index)];
   for (int j = 1; j < state.joints(); ++j) {
@@ -223,8 +226,9 @@ void VisitPriors(const PoseTerms& terms, const PoseState& state, int index, Visi
     }
     if (prior.hinge != nullptr) {
       const Matrix3d& local = state.local(frame.frame, j);
-      visit(JointRows<2>{index, j, terms.hinge * OffHinge(*prior.hinge, local),
-                         terms.hinge * OffHingeSlopes(*prior.hinge, local, w)});
+      JointRows<2> rows{index, j, terms.hinge * OffHinge(*prior.hinge, local), Eigen::Matrix<double, 2, 3>::Zero()};
+      if constexpr (kDerivatives) rows.j = terms.hinge * OffHingeSlopes(*prior.hinge, local, w);
+      visit(rows);
     }
   }
 }
@@ -284,7 +288,7 @@ template <bool kDerivatives, class Visitor>
 void VisitFrame(const PoseTerms& terms, const PoseState& state, int index, Visitor&& visit) {
   internal::VisitSurface<kDerivatives>(terms, state, index, visit);
   internal::VisitObservations<kDerivatives>(terms, state, index, visit);
-  internal::VisitPriors(terms, state, index, visit);
+  internal::VisitPriors<kDerivatives>(terms, state, index, visit);
   const FrameTerms& frame = terms.frames[static_cast<std::size_t>(index)];
   if (frame.pose != nullptr) {
     const PoseGaussian& pose = *frame.pose;

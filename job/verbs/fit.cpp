@@ -78,6 +78,10 @@ void PrintFit(const ClipRecord& clip) {
     return from.is_object() && from.contains(key) && from[key].is_number() ? from[key].get<double>() : 0.0;
   };
   if (fit.value("method", "none") != "none") {
+    if (const auto check = fit.find("check"); check != fit.end()) {
+      Print("  also solved by %s: joints %.3g mm apart at most, cost %.2g\n", check->value("solver", "").c_str(),
+            number(*check, "joint_worst_mm"), number(*check, "cost_difference"));
+    }
     Print("  residual %.1f mm RMS, %.1f mm 95 %%, %.1f %% rejected\n", number(fit, "residual_rms_mm"),
           number(fit, "residual_p95_mm"), 100.0 * number(fit, "rejected_share"));
   }

@@ -50,6 +50,12 @@ void PrintFigures(const JobResult& result) {
     Print("%-20s accuracy %.3f on %s, mean of %s\n", name.c_str(), recogniser.value("mean", 0.0),
           recogniser.value("scored", "").c_str(), Counted(seeds, "seed").c_str());
   }
+  if (result.check.is_object()) {
+    Print("check: %d of %s solved by both solvers, %d differ (joints %.3g mm at most, costs %.2g)\n",
+          result.check.value("clips", 0), Counted(result.check.value("of", 0), "clip").c_str(),
+          result.check.value("differ", 0), result.check.value("joint_worst_mm", 0.0),
+          result.check.value("cost_difference", 0.0));
+  }
   if (result.fit_error.is_object()) {
     const double evidence_mm = result.fit_error.value("evidence_mm", 0.0);
     Print("error against the truth: ");
@@ -148,6 +154,7 @@ nlohmann::json ResultJson(const JobResult& result, const RunnerOptions& runner, 
           {"findings", result.findings},
           {"set_findings", result.set_findings},
           {"fit_error", result.fit_error},
+          {"check", result.check},
           {"audit", result.audit},
           {"metrics", result.metrics},
           {"untrained", UntrainedJson(result)},

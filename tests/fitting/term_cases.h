@@ -102,9 +102,7 @@ class TermProblem {
     body_.skeleton = std::make_shared<Skeleton>(skeleton_);
     body_.capsules = {{1, 2, {0.02, 0.01, -0.01}, {0.0, 0.03, 0.01}, 0.05, 0},
                       {4, 4, Vector3d::Zero(), Vector3d::Zero(), 0.08, 1}};
-    cloud_ = {Eigen::Matrix3Xd(3, 3), Eigen::Matrix3Xd::Zero(3, 3), 0};
-    for (int i = 0; i < 3; ++i)
-      cloud_.points.col(i) = state_.position(0, i < 2 ? 1 : 4) + Vector3d(0.1, 0.2 - 0.3 * i, 0.15);
+    for (int i = 0; i < 3; ++i) points_.col(i) = state_.position(0, i < 2 ? 1 : 4) + Vector3d(0.1, 0.2 - 0.3 * i, 0.15);
     known_.joints = {0, 1, 3};
     known_.translation = state_.position(0, 0) + Vector3d(0.1, 0.2, -0.1);
     for (const int j : known_.joints)
@@ -155,7 +153,7 @@ class TermProblem {
   Skeleton skeleton_;
   PoseState state_;
   CapsuleBody body_;
-  FusedCloud cloud_;
+  Eigen::Matrix3Xd points_{3, 3};
   JointLimits limits_{{-0.2, -0.4, 0.1}, {0.3, 0.2, 0.5}};  // the third component is outside at the identity
   std::vector<std::optional<Hinge>> hinges_ = HingesOf(**LoadSkeleton("smpl24"));
   PoseGaussian known_;
@@ -201,7 +199,7 @@ inline std::vector<TermCase> TermProblem::Cases() const {
   cases.push_back(
       {"surface", 1,
        [this](const PoseState&, PoseTerms& terms) {
-         terms.frames[0].surface = {&cloud_, {{0, 0, 0.0}, {1, 0, 0.0}, {2, 1, 0.0}}, kWeight, 1.0};
+         terms.frames[0].surface = {&points_, {{0, 0, 0.0}, {1, 0, 0.0}, {2, 1, 0.0}}, kWeight, 1.0};
        },
        [this](const Unknowns& at) {
          Residual r;
@@ -220,13 +218,13 @@ inline std::vector<TermCase> TermProblem::Cases() const {
              begin[i] += frame.position[i];
              end[i] += last.position[i];
              square += (end[i] - begin[i]) * (end[i] - begin[i]);
-             along += (cloud_.points(i, point) - begin[i]) * (end[i] - begin[i]);
+             along += (points_(i, point) - begin[i]) * (end[i] - begin[i]);
            }
            Jet place(0.0);
            if (square.a > 0.0 && along.a > 0.0) place = along.a > square.a ? Jet(1.0) : along / square;
            Jet distance(0.0);
            for (int i = 0; i < 3; ++i) {
-             away[i] = cloud_.points(i, point) - begin[i] - place * (end[i] - begin[i]);
+             away[i] = points_(i, point) - begin[i] - place * (end[i] - begin[i]);
              distance += away[i] * away[i];
            }
            r.push_back(kWeight * (sqrt(distance) - capsule.radius));

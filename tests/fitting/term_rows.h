@@ -45,10 +45,8 @@ struct DenseRows {
 
   template <int K>
   void operator()(const BodyRows<K>& rows) {
-    const double square = rows.r.squaredNorm();
-    const bool robust = rows.huber > 0.0;
-    cost += 0.5 * (robust ? HuberValue(square, rows.huber) : square);
-    const double slope = std::sqrt(robust ? HuberSlope(square, rows.huber) : 1.0);
+    cost += 0.5 * rows.Loss();
+    const double slope = std::sqrt(rows.Slope());
     for (int k = 0; k < K; ++k) Add(rows.r[k], OfTwist(rows.frame, rows.carrier, rows.a.row(k)), slope);
   }
   template <int K>
@@ -125,6 +123,24 @@ inline void ExpectDerivatives(const PoseTerms& terms, PoseState& state, double s
   rows.columns.Write(terms, here, state);
 }
 
+/// The gradient of the rows, losses included, against central differences of the cost.
+inline void ExpectGradient(const PoseTerms& terms, PoseState& state, const PoseColumns& columns,
+                           const Eigen::VectorXd& gradient) {
+  constexpr double kStep = 1e-6;  // small: a point may pass the end of its axis, or the bend of the loss
+  const Eigen::VectorXd here = columns.Read(terms, state);
+  Eigen::VectorXd slope(here.size());
+  for (Eigen::Index i = 0; i < here.size(); ++i) {
+    double ends[2];
+    for (const int way : {0, 1}) {
+      columns.Write(terms, here + (way == 0 ? -kStep : kStep) * Eigen::VectorXd::Unit(here.size(), i), state);
+      ends[way] = Cost(terms, state);
+    }
+    slope[i] = (ends[1] - ends[0]) / (2.0 * kStep);
+  }
+  columns.Write(terms, here, state);
+  EXPECT_LT((slope - gradient).norm(), 1e-4 * gradient.norm() + 1e-5);
+}
+
 /// Cost, gradient and Gauss-Newton matrix of both solvers against the rows.
 inline void ExpectSameEquations(const PoseTerms& terms, PoseState& state) {
   for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
@@ -134,6 +150,7 @@ inline void ExpectSameEquations(const PoseTerms& terms, PoseState& state) {
   const Eigen::MatrixXd square = j.transpose() * j;
   const Eigen::VectorXd gradient = j.transpose() * r;
   EXPECT_NEAR(Cost(terms, state), rows.cost, 1e-12 * rows.cost + 1e-15);
+  ExpectGradient(terms, state, rows.columns, gradient);
 
   PoseEquations pose(state);
   const int n = pose.columns().size(), frames = static_cast<int>(terms.frames.size());

@@ -29,7 +29,7 @@ struct Equations {
       dense += rows.transpose() * rows;
       gradient += rows.transpose() * Draw(random, rows.rows(), 1);
     }
-    banded.SetZero();
+    for (int f = 0; f < blocks; ++f) banded.SetZero(f);
     for (int f = 0; f < blocks; ++f) {
       banded.Diagonal(f) = dense.block(f * size, f * size, size, size);
       banded.Gradient(f) = gradient.segment(f * size, size);

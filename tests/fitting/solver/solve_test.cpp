@@ -45,23 +45,27 @@ class TracksOfATake : public testing::Test {
     }
   }
 
-  TrackProblem Problem() { return {take_.tracks, *state_, kSigma, options_}; }
+  PoseTerms Terms(int begin, int end, bool after_fixed) {
+    problem_.emplace(take_.tracks, *state_, kSigma, options_);
+    return problem_->Terms(begin, end, after_fixed);
+  }
 
   PlayedTake take_;
   JointTrackOptions options_;
   std::unique_ptr<PoseState> state_;
+  std::optional<TrackProblem> problem_;
 };
 
 TEST_F(TracksOfATake, RowsGiveBothSolversTheSameEquations) {
-  const PoseTerms terms = Problem().Terms(0, 6, false);
+  const PoseTerms terms = Terms(0, 6, false);
   ExpectSameEquations(terms, *state_);
   ExpectDerivatives(terms, *state_, 1e-4, 1e-6);
 }
 
 TEST_F(TracksOfATake, MatchesCeresWithPrecisionPerSample) {
   AddUnevenNoise(take_.tracks, 0.02, 6);
-  ExpectSameEquations(Problem().Terms(0, 6, false), *state_);
-  ExpectSameEquations(Problem().Terms(2, 5, true), *state_);
+  ExpectSameEquations(Terms(0, 6, false), *state_);
+  ExpectSameEquations(Terms(2, 5, true), *state_);
 }
 
 TEST_F(TracksOfATake, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
@@ -79,7 +83,7 @@ TEST_F(TracksOfATake, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
   for (double& value : scale.position) value = random.Uniform(0.3, 3.0);
   std::vector<double> rest;
   for (int j = 0; j < take_.tracks.joints(); ++j) rest.push_back(random.Uniform(0.2, 2.0));
-  TrackProblem problem = Problem();
+  TrackProblem problem(take_.tracks, *state_, kSigma, options_);
   problem.noise_scale = &scale;
   problem.rest_sigmas = &rest;
   const PoseTerms terms = problem.Terms(0, 6, false);
@@ -88,14 +92,14 @@ TEST_F(TracksOfATake, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
 }
 
 TEST_F(TracksOfATake, WithoutAToleranceEndsWhereNoStepReducesTheCost) {
-  const auto solution = Solve(Problem().Terms(0, 6, false), *state_, {PoseSolver::kBanded, 0.0, 10000});
+  const auto solution = Solve(Terms(0, 6, false), *state_, {PoseSolver::kBanded, 0.0, 10000});
   ASSERT_TRUE(solution) << solution.error().Message();
   EXPECT_LT(solution->iterations, 10000);
   EXPECT_TRUE(solution->converged || solution->exhausted);
 }
 
 TEST_F(TracksOfATake, MatchesCeresBesideAFixedFrame) {
-  const PoseTerms terms = Problem().Terms(2, 5, true);
+  const PoseTerms terms = Terms(2, 5, true);
   state_->Update(1, 2, true);
   ExpectSameEquations(terms, *state_);
   ExpectDerivatives(terms, *state_, 1e-4, 1e-6);
@@ -114,14 +118,14 @@ TEST_F(TracksOfATake, MatchesCeresWithRecordedRotations) {
       targets.weight.push_back(recorded ? random.Uniform(0.3, 1.0) / 0.1 : 0.0);
     }
   }
-  TrackProblem problem = Problem();
+  TrackProblem problem(take_.tracks, *state_, kSigma, options_);
   problem.rotations = &targets;
   const PoseTerms terms = problem.Terms(0, 6, false);
   ExpectSameEquations(terms, *state_);
   ExpectDerivatives(terms, *state_, 1e-4, 1e-6);
 }
 
-TEST_F(TracksOfATake, MatchesCeresForOneFrame) { ExpectSameEquations(Problem().Terms(0, 1, false), *state_); }
+TEST_F(TracksOfATake, MatchesCeresForOneFrame) { ExpectSameEquations(Terms(0, 1, false), *state_); }
 
 JointTrackOptions With(PoseSolver solver) {
   JointTrackOptions options;

@@ -61,6 +61,25 @@ TEST(Hinges, AllowOneBendingDirectionAndTwist) {
   }
 }
 
+/// A step without a residual, and nearly half a turn.
+TEST_P(EveryTerm, StepsHaveDerivativesWhereTheyAreNothingAndNearHalfATurn) {
+  TermProblem problem(GetParam());
+  PoseState& state = problem.state();
+  for (const TermCase& one : problem.Cases()) {
+    if (one.frames < 2) continue;
+    for (const Vector3d& turn : {Vector3d(0.0, 0.0, 0.0), Vector3d(3.0, 0.5, -0.3)}) {
+      for (int j = 0; j < kJointsOfBent; ++j) {
+        if (!kActive[j]) continue;
+        Eigen::Map<Vector3d>(state.rotation(1, j)) =
+            LogQuaternion(ExpQuaternion(Eigen::Map<const Vector3d>(state.rotation(0, j))) * ExpQuaternion(turn));
+      }
+      const PoseTerms terms = problem.TermsOf(one);
+      ExpectDerivatives(terms, state, 1e-4, 1e-6);
+      ExpectSameEquations(terms, state);
+    }
+  }
+}
+
 TEST(RotationSteps, AreIndependentOfTheBranchOfTheLogarithm) {
   const Skeleton skeleton = BentChain();
   PoseState state(skeleton, 2, skeleton.RestBoneLengths(), std::vector<bool>(kJointsOfBent, true));
