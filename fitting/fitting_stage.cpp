@@ -94,8 +94,6 @@ struct Apart {
   double worst;   ///< m, of one joint in one frame
   double cost;    ///< share of the cost
 };
-constexpr Apart kSameMatches = {1e-4, 1e-4, 1e-6};
-constexpr Apart kOwnMatches = {1e-3, 5e-3, 1e-3};
 
 /// Compares a fit with that of the other solver: the same searches by the banded solver, then each solve that counts
 /// from the same start (of a mixture: the tracks', then the depth's from its own tracks).
@@ -127,7 +125,7 @@ Expected<nlohmann::json> CompareSolvers(const StageRequest& request, const Clip&
   const double median = MeanMedian(apart);
   const double cost = std::abs(other->final_cost - fit.final_cost) / std::max(std::abs(fit.final_cost), 1e-9);
   const bool same = options.method == FitMethod::kJointTracks || options.method == FitMethod::kKeypoints;
-  const Apart& most = same ? kSameMatches : kOwnMatches;
+  const Apart most = same ? Apart{1e-4, 1e-4, 1e-6} : Apart{1e-3, 5e-3, 1e-3};
   const bool differ =
       !(median <= most.median && worst <= most.worst && cost <= most.cost) || other->converged != fit.converged;
   json["differ"] = differ;
