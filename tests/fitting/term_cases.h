@@ -102,7 +102,10 @@ class TermProblem {
     body_.skeleton = std::make_shared<Skeleton>(skeleton_);
     body_.capsules = {{1, 2, {0.02, 0.01, -0.01}, {0.0, 0.03, 0.01}, 0.05, 0},
                       {4, 4, Vector3d::Zero(), Vector3d::Zero(), 0.08, 1}};
-    for (int i = 0; i < 3; ++i) points_.col(i) = state_.position(0, i < 2 ? 1 : 4) + Vector3d(0.1, 0.2 - 0.3 * i, 0.15);
+    const CapsuleEnds axis = EndsOf(body_.capsules[0], state_, 0);
+    for (int i = 0; i < 3; ++i)  // before its begin, beside it, beyond its end
+      points_.col(i) = axis.begin + (i - 0.5) * (axis.end - axis.begin) + Vector3d(0.1, 0.05, 0.15);
+    points_.col(3) = state_.position(0, 4) + Vector3d(0.1, -0.1, 0.15);
     known_.joints = {0, 1, 3};
     known_.translation = state_.position(0, 0) + Vector3d(0.1, 0.2, -0.1);
     for (const int j : known_.joints)
@@ -153,7 +156,7 @@ class TermProblem {
   Skeleton skeleton_;
   PoseState state_;
   CapsuleBody body_;
-  Eigen::Matrix3Xd points_{3, 3};
+  Eigen::Matrix3Xd points_{3, 4};
   JointLimits limits_{{-0.2, -0.4, 0.1}, {0.3, 0.2, 0.5}};  // the third component is outside at the identity
   std::vector<std::optional<Hinge>> hinges_ = HingesOf(**LoadSkeleton("smpl24"));
   PoseGaussian known_;
@@ -199,11 +202,11 @@ inline std::vector<TermCase> TermProblem::Cases() const {
   cases.push_back(
       {"surface", 1,
        [this](const PoseState&, PoseTerms& terms) {
-         terms.frames[0].surface = {&points_, {{0, 0, 0.0}, {1, 0, 0.0}, {2, 1, 0.0}}, kWeight, 1.0};
+         terms.frames[0].surface = {&points_, {{0, 0, 0.0}, {1, 0, 0.0}, {2, 0, 0.0}, {3, 1, 0.0}}, kWeight, 1.0};
        },
        [this](const Unknowns& at) {
          Residual r;
-         for (const auto& [point, of] : {std::pair(0, 0), std::pair(1, 0), std::pair(2, 1)}) {
+         for (const auto& [point, of] : {std::pair(0, 0), std::pair(1, 0), std::pair(2, 0), std::pair(3, 1)}) {
            const BodyCapsule& capsule = body_.capsules[static_cast<std::size_t>(of)];
            const JetPose frame = PoseOf(skeleton_, at, 0, capsule.frame);
            const JetPose last = PoseOf(skeleton_, at, 0, capsule.end_joint);
