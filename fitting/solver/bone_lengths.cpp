@@ -192,8 +192,7 @@ void FitUnobservedChains(const std::vector<SkeletonTracks>& clips, const std::ve
                          const Skeleton& skeleton, const std::vector<bool>& seen, BoneEstimate& bones) {
   /// Share of the distance: standard deviation over frames without noise, at most, of a stiff chain.
   constexpr double kStiff = 0.06;
-  std::vector<double> noises = white;
-  const double noise = 2.0 * Square(MeanMedian(noises));
+  const double noise = 2.0 * Square(MeanMedian(white));
   const std::vector<bool> swings = SwingingJoints(skeleton);
   std::vector<std::vector<double>> ratios(skeleton.joints.size());
   std::vector<Span> chains;

@@ -168,7 +168,7 @@ Eigen::MatrixXd OfTwoImages(const Eigen::MatrixXd& points, const Eigen::MatrixXd
                             const std::vector<SkeletonTracks>& clips, bool symmetric) {
   Eigen::MatrixXd mirrored = points;
   mirrored.row(2) = -mirrored.row(2);
-  const Eigen::MatrixXd as_is = RotatedTo(near, points);
+  Eigen::MatrixXd as_is = RotatedTo(near, points);
   mirrored = RotatedTo(near, mirrored);
   const auto spanning = Spanning(points);
   if (!spanning) return as_is;
