@@ -3,9 +3,7 @@
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
-#include "core/base/median.h"
 #include "core/base/sha256.h"
-#include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/body/capsule_body.h"
 #include "core/motion/gaps.h"
@@ -23,6 +21,7 @@
 #include "fitting/proportions.h"
 #include "fitting/repair/track_repairs.h"
 #include "fitting/rig_file.h"
+#include "fitting/solver_check.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
@@ -88,55 +87,18 @@ bool IsChecked(const Clip& clip, double share) {
   return static_cast<double>(std::stoul(Sha256Hex(clip.id()).substr(0, 8), nullptr, 16)) < share * kAll;
 }
 
-/// How far both solvers may end apart: with the same matches, and where each matches anew as it goes.
-struct Apart {
-  double median;  ///< m, of joints
-  double worst;   ///< m, of one joint in one frame
-  double cost;    ///< share of the cost
-};
-
 /// Compares a fit with that of the other solver: the same searches by the banded solver, then each solve that counts
 /// from the same start (of a mixture: the tracks', then the depth's from its own tracks).
-/// {"solver", "differ", "joint_median_mm", "joint_worst_mm", "cost_difference": relative, or "failed"}; a finding where
-/// they differ by more than matches explain. Errors kInterrupted, kInternal.
+/// As CheckOfSolvers; errors kInterrupted, kInternal.
 Expected<nlohmann::json> CompareSolvers(const StageRequest& request, const Clip& clip, FittingOptions options,
                                         FitResult& fit) {
   const bool banded = options.solver == PoseSolver::kBanded;
   options.UseSolver(banded ? PoseSolver::kCeres : PoseSolver::kBanded);
-  nlohmann::json json = {{"solver", banded ? "ceres" : "banded"}, {"differ", true}};
-  const auto report = [&](double value, const std::string& what) {
-    fit.findings.push_back(MakeFinding("solvers_differ", Severity::kWarning, value,
-                                       "the solver " + json["solver"].get<std::string>() + " " + what,
-                                       FindingAction::kKept));
-  };
+  const std::string solver = banded ? "ceres" : "banded";
   const Expected<FitResult> other = Fit(request, clip, options);
   if (!other && EndsAll(other.error().code)) return Forward(other);
-  if (!other) {
-    json["failed"] = other.error().Message();
-    report(0.0, "fails: " + other.error().Message());
-    return json;
-  }
-  std::vector<double> apart;
-  for (int f = 0; f < fit.motion.frame_count(); ++f) {
-    for (int j = 0; j < fit.motion.joint_count(); ++j)
-      apart.push_back((fit.motion.joints.at(f, j) - other->motion.joints.at(f, j)).norm());
-  }
-  const double worst = apart.empty() ? 0.0 : *std::max_element(apart.begin(), apart.end());
-  const double median = MeanMedian(apart);
-  const double cost = std::abs(other->final_cost - fit.final_cost) / std::max(std::abs(fit.final_cost), 1e-9);
   const bool same = options.method == FitMethod::kJointTracks || options.method == FitMethod::kKeypoints;
-  const Apart most = same ? Apart{1e-4, 1e-4, 1e-6} : Apart{1e-3, 5e-3, 1e-3};
-  const bool differ =
-      !(median <= most.median && worst <= most.worst && cost <= most.cost) || other->converged != fit.converged;
-  json["differ"] = differ;
-  json["joint_median_mm"] = std::round(1e9 * median) / 1e6;
-  json["joint_worst_mm"] = std::round(1e9 * worst) / 1e6;
-  json["cost_difference"] = cost;
-  if (differ)
-    report(1e3 * worst, "ends " + RoundedText(1e3 * median, 3) + " mm away in the median joint, " +
-                            RoundedText(1e3 * worst, 3) + " mm in the worst, with a cost " + RoundedText(cost, 3) +
-                            " apart: " + other->termination + "; " + fit.termination + " here");
-  return json;
+  return CheckOfSolvers(fit, solver, other, same ? SolverMatches::kFixed : SolverMatches::kOwn, fit.findings);
 }
 
 /// Whether the finding reports that ingest excluded images of a depth camera.

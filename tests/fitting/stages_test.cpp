@@ -8,6 +8,7 @@
 #include "core/base/file.h"
 #include "core/store/store.h"
 #include "fitting/options.h"
+#include "fitting/solver_check.h"
 #include "tests/fitting/takes.h"
 #include "tests/support/scratch_folder.h"
 
@@ -90,6 +91,57 @@ TEST_F(FittingStages, FitAMotionWithOneSetOfBones) {
     EXPECT_LT((motion.joints.at(f, 6) - truth_.joints.at(f, 6)).norm(), 0.005) << "frame " << f;
   }
   EXPECT_EQ(dataset->clips[0].id(), clip_.id());
+}
+
+TEST_F(FittingStages, CheckAShareOfTheClipsWithBothSolvers) {
+  int checked = 0;
+  for (int r = 0; r < 12; ++r) {
+    clip_.identity.recording = "r" + std::to_string(r);
+    ASSERT_TRUE(WriteEvidence(clip_, folder_ / "evidence.h5"));
+    const auto fitted = FittingStage(Request("fitting", {{"skeleton", "openni16"}, {"check", 0.5}}));
+    ASSERT_TRUE(fitted) << fitted.error().Message();
+    if (!fitted->summary.contains("check")) continue;
+    ++checked;
+    EXPECT_EQ(fitted->summary["check"]["solver"], "banded");
+    EXPECT_EQ(fitted->summary["check"]["differ"], false) << fitted->summary["check"];
+  }
+  EXPECT_GT(checked, 2);
+  EXPECT_LT(checked, 10);
+}
+
+TEST_F(FittingStages, ReportSolversThatDiffer) {
+  FitResult fit;
+  fit.motion = truth_;
+  fit.final_cost = 2.0;
+  fit.converged = true;
+  struct Case {
+    double moved_m, cost;
+    bool converged, fixed, own;  ///< whether they differ with fixed and with own matches
+  };
+  const double nan = std::nan("");
+  for (const Case& of :
+       {Case{0.0, 2.0, true, false, false}, Case{0.9e-4, 2.0, true, false, false}, Case{1.1e-4, 2.0, true, true, false},
+        Case{4.9e-3, 2.0, true, true, false}, Case{5.1e-3, 2.0, true, true, true},
+        Case{0.0, 2.00001, true, true, false}, Case{0.0, 2.003, true, true, true}, Case{0.0, 2.0, false, true, true},
+        Case{nan, 2.0, true, true, true}, Case{0.0, nan, true, true, true}}) {
+    FitResult other = fit;
+    other.motion.joints.at(7, 3).x() += of.moved_m;
+    other.final_cost = of.cost;
+    other.converged = of.converged;
+    for (const bool fixed : {true, false}) {
+      std::vector<Finding> findings;
+      const nlohmann::json check =
+          CheckOfSolvers(fit, "banded", other, fixed ? SolverMatches::kFixed : SolverMatches::kOwn, findings);
+      const bool differ = fixed ? of.fixed : of.own;
+      EXPECT_EQ(check["differ"], differ) << check;
+      ASSERT_EQ(findings.size(), differ ? 1u : 0u) << check;
+    }
+  }
+  std::vector<Finding> findings;
+  const Expected<FitResult> none = Fail(ErrorCode::kInconsistent, "no pose");
+  EXPECT_EQ(CheckOfSolvers(fit, "ceres", none, SolverMatches::kFixed, findings)["differ"], true);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "solvers_differ");
 }
 
 TEST_F(FittingStages, ExcludeAClipInAnotherUnitFromThePersonAndRefuseIt) {
