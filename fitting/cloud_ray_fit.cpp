@@ -81,7 +81,7 @@ std::vector<PointTerm> RaysOf(const KeypointView& view, const std::vector<int>& 
   for (std::size_t k = 0; k < joint_of.size(); ++k) {
     const double* point = view.at(image, person, static_cast<int>(k));
     if (joint_of[k] < 0 || !(point[2] > 0.0) || point[2] < min_confidence) continue;
-    const Vector3d place = state.position(frame, joint_of[k]);
+    const Vector3d& place = state.position(frame, joint_of[k]);
     const double depth = (view.camera.camera_from_world * place).z();
     if (!(depth > 0.1)) continue;
     const Vector3d on_ray = world_from_camera * view.camera.Unproject(Vector2d(point[0], point[1]), depth);

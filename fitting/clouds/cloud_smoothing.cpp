@@ -66,7 +66,7 @@ class ChainPart {
     PoseEquations pose(state_);
     equations_.Resize(static_cast<int>(terms_.frames.size()), pose.columns().size());
     pose.Linearise(terms_, state_, equations_);
-    if (!equations_.Factor(Eigen::VectorXd::Zero(equations_.blocks() * equations_.size()))) {
+    if (!equations_.Factor(Eigen::VectorXd::Zero(Eigen::Index{equations_.blocks()} * equations_.size()))) {
       return Fail(
           ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body",
           "frames " + std::to_string(terms_.frames.front().frame) + " to " + std::to_string(terms_.frames.back().frame),

@@ -104,8 +104,7 @@ std::vector<bool> MayHaveMoved(const std::vector<double>& loss_of_views) {
     may[static_cast<std::size_t>(std::min_element(loss.begin(), loss.end()) - loss.begin())] = false;
     return may;
   }
-  std::vector<double> sorted = loss;
-  const double usual = MeanMedian(sorted);
+  const double usual = MeanMedian(loss);
   std::vector<std::pair<double, std::size_t>> odd;
   for (std::size_t v = 0; v < loss.size(); ++v) {
     if (loss[v] > kOddLoss * usual) odd.emplace_back(-loss[v], v);

@@ -69,11 +69,11 @@ void PropagateNearest(int columns, int rows, std::vector<std::int32_t>& nearest)
   const auto sweep = [&](int step, const int(&beside)[4][2]) {
     for (int y = step > 0 ? 0 : rows - 1; y >= 0 && y < rows; y += step) {
       for (int x = step > 0 ? 0 : columns - 1; x >= 0 && x < columns; x += step) {
-        std::int32_t& here = nearest[static_cast<std::size_t>(y * columns + x)];
+        std::int32_t& here = nearest[static_cast<std::size_t>(y) * columns + x];
         for (const auto& by : beside) {
           const int nx = x + by[0], ny = y + by[1];
           if (nx < 0 || ny < 0 || nx >= columns || ny >= rows) continue;
-          const std::int32_t other = nearest[static_cast<std::size_t>(ny * columns + nx)];
+          const std::int32_t other = nearest[static_cast<std::size_t>(ny) * columns + nx];
           if (other >= 0 && (here < 0 || square(other, x, y) < square(here, x, y))) here = other;
         }
       }

@@ -228,7 +228,7 @@ std::optional<TriangulatedPoint> TriangulateRobust(const std::vector<ViewRay>& r
   if (all.solved && AllWithin(rays, all.point, scale)) return JudgePoint(rays, all, options);
   const Vector3d start = BestPoint(rays, all.solved ? all.point : nearest, scale);
   const Refined best = RefinePoint(rays, start, scale, options.noise);
-  const auto point = JudgePoint(rays, best, options);
+  auto point = JudgePoint(rays, best, options);
   if (point || !best.solved) return point;
   return JudgePoint(rays, RefinePoint(rays, best.point, options.outlier, options.noise),
                     options);  // views that agree less well

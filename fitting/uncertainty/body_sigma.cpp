@@ -83,7 +83,7 @@ class BodyEquations {
     const double sigma = whole_.sigma;
     for (int j = 0; j < state.joints(); ++j) {
       if (!shown_[static_cast<std::size_t>(j)]) continue;
-      Eigen::MatrixXd of_joint = moves.middleRows<3>(3 * j);
+      Eigen::MatrixXd of_joint = moves.middleRows<3>(Eigen::Index{3} * j);
       if (const int place = place_[static_cast<std::size_t>(j)]; place >= 0)
         of_joint.middleCols<3>(place).setIdentity();
       information.selfadjointView<Eigen::Lower>().rankUpdate(of_joint.transpose(), 1.0 / (sigma * sigma));
@@ -94,7 +94,7 @@ class BodyEquations {
     const Eigen::MatrixXd open = factor.matrixL().solve(moves.transpose()).bottomRows(all_ - pose_);
     std::vector<Matrix3d> added;
     for (int j = 0; j < state.joints(); ++j) {
-      const auto of_joint = open.middleCols<3>(3 * j);
+      const auto of_joint = open.middleCols<3>(Eigen::Index{3} * j);
       added.emplace_back(of_joint.transpose() * of_joint);
     }
     return added;
@@ -108,9 +108,9 @@ class BodyEquations {
   /// Derivatives of all positions by all unknowns, 3J x unknowns.
   Eigen::MatrixXd Moves(int frame) const {
     const PoseState& state = whole_.state;
-    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(3 * state.joints(), all_);
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(Eigen::Index{3} * state.joints(), all_);
     for (int j = 0; j < state.joints(); ++j) {
-      auto of_joint = moves.middleRows<3>(3 * j);
+      auto of_joint = moves.middleRows<3>(Eigen::Index{3} * j);
       of_joint.leftCols<3>().setIdentity();
       for (int a = state.parent(j); a >= 0; a = state.parent(a)) {
         const Vector3d arm = state.position(frame, j) - state.position(frame, a);

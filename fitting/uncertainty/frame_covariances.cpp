@@ -23,7 +23,7 @@ Status VisitCovariances(const TrackProblem& whole, const std::function<void(cons
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
     equations.Resize(static_cast<int>(terms.frames.size()), pose.columns().size());
     pose.Linearise(terms, whole.state, equations);
-    if (!equations.Factor(Eigen::VectorXd::Zero(equations.blocks() * equations.size()))) {
+    if (!equations.Factor(Eigen::VectorXd::Zero(Eigen::Index{equations.blocks()} * equations.size()))) {
       return Fail(ErrorCode::kInconsistent,
                   "the pose is undetermined in spite of its priors (singular normal equations)",
                   "frames " + std::to_string(begin) + " to " + std::to_string(end),
