@@ -270,10 +270,7 @@ Expected<Solution> SolveWithCeres(const PoseTerms& terms, PoseState& state, cons
   for (const FrameTerms& frame : terms.frames) state.Update(frame.frame, frame.frame + 1, true);
   if (Status on = StopIfInterrupted(options.of); !on) return Forward(on);
   if (!summary.IsSolutionUsable()) {
-    return Fail(
-        ErrorCode::kInconsistent, "the solver failed: " + summary.message,
-        "frames " + std::to_string(terms.frames.front().frame) + " to " + std::to_string(terms.frames.back().frame),
-        "check that these frames show a person, in metres");
+    return Fail(ErrorCode::kInconsistent, "the solver failed: " + summary.message, FramesOf(terms), kCheckFrames);
   }
   Solution solution;
   solution.iterations = static_cast<int>(summary.iterations.size()) - 1;
