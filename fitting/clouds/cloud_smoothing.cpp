@@ -8,6 +8,7 @@
 #include "fitting/clouds/cloud_terms.h"
 #include "fitting/solver/one_thread.h"
 #include "fitting/solver/pose_equations.h"
+#include "fitting/solver/rest_sigmas.h"
 #include "fitting/solver/solve.h"
 
 namespace mocurate {
@@ -37,6 +38,7 @@ class ChainPart {
       const double step = time_s[static_cast<std::size_t>(chain[i + 1].frame)] - time_s[f];
       if (step <= kLongestStep_s) terms_.frames.back().next = StepInClouds(state.joints(), step, options);
     }
+    CountRestOnce();
     Match();
     for (FrameTerms& frame : terms_.frames) frame.surface.weight /= RobustSigma(frame.surface.matches);
   }
@@ -82,6 +84,21 @@ class ChainPart {
   }
 
  private:
+  /// The rest pose counts once for frames that are coupled, not once per frame (RestShareOfStep).
+  void CountRestOnce() {
+    for (int j = 1; j < state_.joints(); ++j) {
+      const auto at = static_cast<std::size_t>(j);
+      double before = kRestAtAnEnd;  // for the step from the frame before
+      for (FrameTerms& frame : terms_.frames) {
+        double& rest = frame.priors[at].rest;
+        const double after =
+            frame.next.rotation.empty() ? kRestAtAnEnd : RestShareOfStep(rest, frame.next.rotation[at]);
+        rest *= before + after;
+        before = after;
+      }
+    }
+  }
+
   /// The kinematics are up to date.
   void Match() {
     for (std::size_t i = 0; i < clouds_.size(); ++i) {

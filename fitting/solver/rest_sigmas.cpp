@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -47,6 +48,10 @@ std::vector<double> RestPoseSigmas(const SkeletonTracks& tracks, double rest_sig
     sigmas[j] = IsEverObserved(tracks, j) ? rest_sigma : std::min(rest_sigma, sigmas[j]);
   }
   return sigmas;
+}
+
+double RestShareOfStep(double rest, double step) {
+  return rest > 0.0 && step > 0.0 ? 0.5 * std::tanh(0.5 * std::asinh(0.5 * rest / step)) : kRestAtAnEnd;
 }
 
 std::vector<bool> SwingingJoints(const Skeleton& skeleton) {

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -79,25 +80,31 @@ class ClipLines {
   }
 
  private:
-  /// Shares of axes whose error lies within one and two stated standard deviations, of rotations that are observed.
+  /// Shares of axes whose error lies within one and two stated standard deviations: of rotations that are observed, and
+  /// of all.
   static void AddRotationCoverage(const Motion& motion, const Motion& truth, nlohmann::json& figures) {
-    int one = 0, two = 0, all = 0;
+    std::array<double, 2> one{}, two{}, all{};
     for (int f = 0; f < motion.frame_count(); ++f) {
       for (int j = 1; j < motion.joint_count(); ++j) {
         const Vector3d error = LogQuaternion(truth.rotation_at(f, j).conjugate() * motion.rotation_at(f, j));
         const std::size_t at = 3 * (static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j));
         for (int i = 0; i < 3; ++i) {
-          if (!(motion.rotation_observed[at + i] > 0.1F)) continue;
           const double sigmas = std::abs(error[i]) / motion.rotation_sigma[at + i];
-          one += sigmas < 1.0 ? 1 : 0;
-          two += sigmas < 2.0 ? 1 : 0;
-          ++all;
+          for (const std::size_t kind : {0U, 1U}) {
+            if (kind == 0 && !(motion.rotation_observed[at + i] > 0.1F)) continue;
+            one[kind] += sigmas < 1.0 ? 1.0 : 0.0;
+            two[kind] += sigmas < 2.0 ? 1.0 : 0.0;
+            all[kind] += 1.0;
+          }
         }
       }
     }
-    if (all == 0) return;
-    figures["rotation_within_one"] = static_cast<double>(one) / all;
-    figures["rotation_within_two"] = static_cast<double>(two) / all;
+    const std::array<std::string, 2> names{"rotation_", "all_rotation_"};
+    for (const std::size_t kind : {0U, 1U}) {
+      if (all[kind] == 0.0) continue;
+      figures[names[kind] + "within_one"] = one[kind] / all[kind];
+      figures[names[kind] + "within_two"] = two[kind] / all[kind];
+    }
   }
 
   static std::string Processor() {

@@ -129,6 +129,31 @@ TEST_F(Chain, NeighboursSayWhereAHiddenArmIs) {
   EXPECT_GT(std::sqrt(Smoothed(apart)[middle].position[wrist].trace()), 3.0 * stated);
 }
 
+/// An arm without a point in any frame may be anywhere: the rest pose counts once, not once per frame.
+TEST_F(Chain, AnArmThatIsNeverSeenIsAsUncertainAsThePrior) {
+  const int shoulder = *skeleton_->FindJoint("left_shoulder"), elbow = *skeleton_->FindJoint("left_elbow");
+  chain_.clear();
+  time_s_.clear();
+  const FusedCloud hidden = clouds_[kFrames / 2];
+  clouds_.clear();
+  PoseState state(*skeleton_, 60, skeleton_->RestBoneLengths(), body_.MovingJoints());
+  for (int f = 0; f < state.frames(); ++f) {
+    clouds_.push_back(hidden);
+    time_s_.push_back(f * kStep_s);
+    chain_.emplace_back();
+    chain_.back().frame = f;
+    state.SetFrameParameters(f, truth_.FrameParameters(kFrames / 2));
+  }
+  state.Update(0, state.frames(), true);
+  const std::vector<CloudUncertainty> stated = Smoothed(state);
+  for (const int f : {0, 30, 59}) {
+    for (const int joint : {shoulder, elbow}) {
+      const auto j = static_cast<std::size_t>(joint);
+      EXPECT_GT(stated[static_cast<std::size_t>(f)].rotation[j].minCoeff(), 0.95 * stated[0].prior[j]) << f;
+    }
+  }
+}
+
 /// Process noise between two frames, 1/2 |r|^2, written down anew.
 double StepCost(const PoseState& state, int frame, double seconds, const PointCloudOptions& options) {
   double square = (state.position(frame + 1, 0) - state.position(frame, 0)).squaredNorm() /
