@@ -1,7 +1,10 @@
+#include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "core/motion/operations.h"
 #include "core/store/store.h"
 #include "eval/metrics/fit_error.h"
@@ -16,20 +19,45 @@ struct Inputs {
   std::map<std::string, Clip> evidence;  ///< by clip id
 };
 
+/// Back to the world of the source, in which the truth is.
+void UndoCanonical(Clip& clip) {
+  const RigidTransform& moved = clip.canonical_from_source;
+  if (moved.translation.isZero(0.0) && moved.rotation.coeffs() == Quaterniond::Identity().coeffs()) return;
+  Transform(Inverse(moved), clip);
+}
+
+/// A file of ground truth, or a dataset or MotionSet as the truth.
+Status AddTruth(const std::filesystem::path& path, std::map<std::string, Motion>& motions) {
+  auto truth = ReadTruth(path);
+  if (truth) {
+    motions.merge(truth->motion);
+    return {};
+  }
+  auto dataset = ReadDataset(path);
+  if (!dataset) return Forward(truth);
+  for (Clip& clip : dataset->clips) {
+    UndoCanonical(clip);
+    motions.emplace(clip.id(), *std::move(clip.motion));
+  }
+  return {};
+}
+
 Expected<Inputs> ReadInputs(const StageRequest& request) {
   Inputs inputs;
   for (const StageInput& input : request.inputs) {
     if (input.role == "truth") {
-      auto truth = ReadTruth(input.path);
-      if (!truth) return Forward(truth);
-      inputs.truth.merge(truth->motion);
+      if (Status added = AddTruth(input.path, inputs.truth); !added) return Forward(added);
     } else if (input.role == "fit") {
       auto dataset = ReadDataset(input.path);
       if (!dataset) return Forward(dataset);
-      for (Clip& clip : dataset->clips) inputs.fits.emplace(clip.id(), std::move(clip));
+      for (Clip& clip : dataset->clips) {
+        UndoCanonical(clip);
+        inputs.fits.emplace(clip.id(), std::move(clip));
+      }
     } else if (input.role == "evidence") {
       auto clip = ReadEvidence(input.path);
       if (!clip) return Forward(clip);
+      UndoCanonical(*clip);
       const std::string id = clip->id();
       inputs.evidence.emplace(id, std::move(*clip));
     }
@@ -37,17 +65,88 @@ Expected<Inputs> ReadInputs(const StageRequest& request) {
   return inputs;
 }
 
-/// The truth of a fitted clip: of the same id, or of the recording whose unobserved ends were cut.
+/// The truth of a fitted clip, at its rate: of the same id, or frames of the truth of its whole recording.
 std::optional<Motion> TruthOf(const Clip& fitted, const std::map<std::string, Motion>& truth) {
   const std::string id = fitted.id();
-  if (const auto same = truth.find(id); same != truth.end()) return same->second;
-  const std::string recording = id.substr(0, id.rfind('#') + 1);
+  const bool resampled = fitted.provenance.count(kRecordedRate) > 0;
+  const auto at_rate = [&](const Motion& motion) {
+    Clip clip;
+    clip.motion = motion;
+    return resampled ? Resample(clip, fitted.motion->rate) : clip;
+  };
+  if (const auto same = truth.find(id); same != truth.end()) return at_rate(same->second).motion;
+  const std::string recording = id.substr(0, id.rfind('#') + 1) + "0-";
   const auto whole = truth.lower_bound(recording);
   if (whole == truth.end() || whole->first.compare(0, recording.size(), recording) != 0) return std::nullopt;
-  Clip of_truth;
-  of_truth.motion = whole->second;
-  const Expected<Clip> cut = Cut(of_truth, fitted.identity.begin_frame, fitted.identity.end_frame);
+  int begin = fitted.identity.begin_frame, end = fitted.identity.end_frame;
+  if (resampled) {
+    begin = static_cast<int>(std::lround(begin * fitted.motion->rate.hz() / whole->second.rate.hz()));
+    end = begin + fitted.motion->frame_count();
+  }
+  const Expected<Clip> cut = Cut(at_rate(whole->second), begin, end);
   return cut ? cut->motion : std::nullopt;
+}
+
+/// "joint_tracks", "keypoints", "depth_views", "point_clouds", joined by "+"; "motion" without any of them.
+std::string KindOf(const Evidence& evidence) {
+  std::string kind;
+  for (const auto& [there, name] : {std::pair(evidence.tracks.has_value(), "joint_tracks"),
+                                    {!evidence.keypoint_views.empty(), "keypoints"},
+                                    {!evidence.depth_views.empty(), "depth_views"},
+                                    {evidence.clouds.has_value(), "point_clouds"}}) {
+    if (there) kind += (kind.empty() ? "" : "+") + std::string(name);
+  }
+  return kind.empty() ? "motion" : kind;
+}
+
+/// Why clips count in no measure of uncertainty: code and text.
+constexpr std::tuple<NotMeasured, const char*, const char*> kReasons[] = {
+    {NotMeasured::kNoPositionCov, "no_position_cov", "no position_cov, so their positions are not measured"},
+    {NotMeasured::kNoRotationSigma, "no_rotation_sigma",
+     "no rotation_sigma or rotation_observed, so their rotations are not measured"},
+    {NotMeasured::kNoTrueRotations, "no_true_rotations",
+     "the truth has no rotations, so those of the fits are not measured"},
+    {NotMeasured::kOtherRestPose, "other_rest_pose",
+     "fit and truth have other joints or another rest pose, so rotations are not measured; fit the truth's skeleton"}};
+
+nlohmann::json OrNull(const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(); }
+
+nlohmann::json MeasuresJson(const SigmaSamples& samples) {
+  return {{"samples", samples.pairs.size()},
+          {"within_one_sigma", OrNull(samples.calibration.within_one_sigma())},
+          {"within_two_sigma", OrNull(samples.calibration.within_two_sigma())},
+          {"ece", OrNull(samples.calibration.ece())},
+          {"spearman", OrNull(SpearmanOf(samples.pairs))}};
+}
+
+void AddCurve(const std::string& prefix, const std::optional<RiskCoverage>& curve, nlohmann::json& measures) {
+  measures[prefix + "risk_coverage_mm"] = curve ? nlohmann::json(curve->risk) : nlohmann::json();
+  measures[prefix + "aurc_mm"] = curve ? nlohmann::json(curve->area) : nlohmann::json();
+}
+
+nlohmann::json GroupsJson(const SigmaByPart& sigma) {
+  nlohmann::json groups = nlohmann::json::object();
+  for (std::size_t g = 0; g < SigmaByPart::kGroups.size(); ++g) {
+    const FitSamples group = sigma.Group(g);
+    nlohmann::json positions = MeasuresJson(group.positions);
+    AddCurve("", RiskCoverageOf(group.positions.pairs), positions);
+    AddCurve("ideal_", IdealRiskCoverageOf(group.positions.pairs), positions);
+    positions["auc"] = OrNull(RocAucOf(group.positions.pairs, kLargeErrorMm));
+    groups[SigmaByPart::kGroups[g]] = {{"positions", std::move(positions)},
+                                       {"rotations", MeasuresJson(group.rotations)}};
+  }
+  return groups;
+}
+
+nlohmann::json WarningsJson(const std::map<NotMeasured, long long>& clips) {
+  nlohmann::json warnings = nlohmann::json::array();
+  for (const auto& [reason, code, text] : kReasons) {
+    const auto found = clips.find(reason);
+    if (found == clips.end()) continue;
+    const long long count = found->second;
+    warnings.push_back({{"code", code}, {"clips", count}, {"message", Counted(count, "clip") + ": " + text}});
+  }
+  return warnings;
 }
 
 nlohmann::json FitErrorJson(const FitError& error) {
@@ -56,21 +155,19 @@ nlohmann::json FitErrorJson(const FitError& error) {
                          {"rotation_deg", error.rotation_deg},
                          {"bone_direction_deg", error.bone_direction_deg},
                          {"frames", error.frames}};
-  if (error.coverage.components > 0) {
-    json["within_one_sigma"] = error.coverage.within_one_sigma();
-    json["within_two_sigma"] = error.coverage.within_two_sigma();
-    json["within_quarters_of_sigma"] = error.coverage.within;
+  const Calibration positions = error.sigma.All().positions.calibration;
+  if (positions.components == 0) return json;
+  json["within_one_sigma"] = *positions.within_one_sigma();
+  json["within_two_sigma"] = *positions.within_two_sigma();
+  for (const std::int64_t within : positions.within_quarters) {
+    json["within_quarters_of_sigma"].push_back(static_cast<double>(within) / static_cast<double>(positions.components));
   }
   return json;
 }
 
-/// Shares over all components of both.
-void AddClipCoverage(const Coverage& clip, Coverage& total) {
-  const std::int64_t components = total.components + clip.components;
-  if (clip.components == 0) return;
-  const double share = static_cast<double>(clip.components) / static_cast<double>(components);
-  for (std::size_t i = 0; i < total.within.size(); ++i) total.within[i] += share * (clip.within[i] - total.within[i]);
-  total.components = components;
+template <class Value>
+std::string FirstId(const std::map<std::string, Value>& by_id) {
+  return by_id.empty() ? "none" : "'" + by_id.begin()->first + "'";
 }
 
 }  // namespace
@@ -78,22 +175,31 @@ void AddClipCoverage(const Coverage& clip, Coverage& total) {
 Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   const auto inputs = ReadInputs(request);
   if (!inputs) return Forward(inputs);
-  nlohmann::json per_clip = nlohmann::json::object();
+  nlohmann::json per_clip = nlohmann::json::object(), without_truth = nlohmann::json::array();
   FitError total;
+  std::map<std::string, SigmaByPart> by_kind;
+  std::map<NotMeasured, long long> not_measured;
   std::optional<Error> first_error;
+  const Evidence none;
   for (const auto& [id, fitted] : inputs->fits) {
     const std::optional<Motion> truth = TruthOf(fitted, inputs->truth);
-    if (!truth) continue;
-    const auto evidence = inputs->evidence.find(id);
-    const auto error =
-        CompareWithTruth(fitted, evidence == inputs->evidence.end() ? Evidence() : evidence->second.evidence, *truth);
+    if (!truth) {
+      without_truth.push_back(id);
+      continue;
+    }
+    const auto found = inputs->evidence.find(id);
+    const Evidence& evidence = found == inputs->evidence.end() ? none : found->second.evidence;
+    const auto error = CompareWithTruth(fitted, evidence, *truth);
     if (!error) {
       per_clip[id] = {{"error", error.error().Message()}};
       if (!first_error) first_error = error.error();
       continue;
     }
     per_clip[id] = FitErrorJson(*error);
-    AddClipCoverage(error->coverage, total.coverage);
+    by_kind[KindOf(evidence)].Append(error->sigma);
+    for (const auto& reason : {error->no_positions, error->no_rotations}) {
+      if (reason) ++not_measured[*reason];
+    }
     total.frames += error->frames;
     total.joint_mm += error->joint_mm * error->frames;
     total.evidence_mm += error->evidence_mm * error->frames;
@@ -102,17 +208,29 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   }
   if (total.frames == 0 && first_error) return tl::unexpected<Error>(*first_error);
   if (total.frames == 0) {
-    return Fail(ErrorCode::kInconsistent, "no fitted clip has a truth of its id", "fit_error",
-                "use the truth of the same capture");
+    return Fail(ErrorCode::kInconsistent,
+                "no fitted clip has a truth of its id: the first fit is " + FirstId(inputs->fits) +
+                    ", the first truth " + FirstId(inputs->truth),
+                "fit_error", "use the truth of the same capture");
   }
   for (double* sum : {&total.joint_mm, &total.evidence_mm, &total.rotation_deg, &total.bone_direction_deg}) {
     *sum /= total.frames;
   }
+  nlohmann::json by_evidence = nlohmann::json::object();
+  for (const auto& [kind, sigma] : by_kind) {
+    total.sigma.Append(sigma);
+    if (by_kind.size() > 1) by_evidence[kind] = GroupsJson(sigma);
+  }
   StageOutcome outcome;
   outcome.summary = FitErrorJson(total);
   outcome.summary["clips"] = per_clip.size();
+  outcome.summary["sigma"] = {{"large_error_mm", kLargeErrorMm},
+                              {"groups", GroupsJson(total.sigma)},
+                              {"by_evidence", std::move(by_evidence)},
+                              {"warnings", WarningsJson(not_measured)}};
   nlohmann::json artifact = outcome.summary;
   artifact["per_clip"] = std::move(per_clip);
+  artifact["without_truth"] = std::move(without_truth);
   if (Status written = WriteFile(request.output, artifact.dump(1)); !written) return Forward(written);
   return outcome;
 }

@@ -280,6 +280,6 @@ void ScoreOptions::Declare(OptionVisitor& v) {
 StageDeclaration FeaturesDeclaration() { return {"features", 9, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 4, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 4, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration FitErrorDeclaration() { return {"fit_error", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration FitErrorDeclaration() { return {"fit_error", 5, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -36,8 +36,11 @@ Expected<StageOutcome> ScoreStage(const StageRequest& request);
 /// Stage `compare`: roles "a", "b" and "reference_train" -> JSON of CompareRows, also as the summary.
 Expected<StageOutcome> CompareStage(const StageRequest& request);
 
-/// Inputs: role "fit" (one-clip Datasets), "evidence" (the same clips), "truth" -> JSON artifact: joint error before
-/// and after fitting, rotation error, coverage, per clip and overall.
+/// Inputs: role "fit" (Datasets; clips that were moved, cut or resampled are compared in the world and at the times of
+/// their recording), "evidence" (of these clips, may be absent), "truth" (ground truth, or a Dataset) -> JSON artifact:
+/// errors of joints before and after fitting and of rotations, per clip and overall; "sigma": measures of the stated
+/// uncertainty (docs/uncertainty.md); "without_truth": ids. The summary lacks what is per clip. Error kInconsistent: no
+/// clip could be compared.
 Expected<StageOutcome> FitErrorStage(const StageRequest& request);
 
 /// What the runner must know of each stage; versions are in options.cpp.

@@ -1,6 +1,5 @@
 #include "eval/metrics/fit_error.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "core/motion/kinematics.h"
@@ -10,6 +9,7 @@ namespace {
 
 constexpr double kRadToDeg = 180.0 / 3.14159265358979323846;
 constexpr double kShortestBone = 0.06;  // metres; shorter ones are not averaged
+constexpr float kObservedAxis = 0.1F;   // least share of the prior's variance that the evidence removes
 
 /// Pairs (joint of a, joint of b) with one name.
 std::vector<std::pair<int, int>> SharedJoints(const Skeleton& a, const Skeleton& b) {
@@ -94,31 +94,48 @@ void AddEvidenceError(const JointTracks& tracks, const Motion& truth, FitError& 
   error.evidence_mm = count == 0 ? 0.0 : sum / count;
 }
 
-Matrix3d PositionCovariance(const Motion& motion, int frame, int joint) {
-  return FromSixNumbers(motion.position_cov.data() +
-                        6 * (static_cast<std::size_t>(frame) * motion.joint_count() + joint));
+/// Whether rotations of both are relative to one rest pose, joint by joint.
+bool SameRestPose(const Motion& fitted, const Motion& truth) {
+  const Skeleton &a = *fitted.rest_pose(), &b = *truth.rest_pose();
+  return SameTree(a, b) && RestPosesApart(a, b) < kSameRestPose;
 }
 
-void AddCoverage(const Motion& fitted, const Motion& truth, const std::vector<std::pair<int, int>>& shared,
-                 FitError& error) {
-  if (fitted.position_cov.empty()) return;
-  std::array<std::int64_t, 12> within{};
-  std::int64_t count = 0;
+std::optional<NotMeasured> WhyNoRotations(const Motion& fitted, const Motion& truth) {
+  if (fitted.joints_only() || fitted.rotation_sigma.empty() || fitted.rotation_observed.empty())
+    return NotMeasured::kNoRotationSigma;
+  if (truth.joints_only()) return NotMeasured::kNoTrueRotations;
+  if (!SameRestPose(fitted, truth)) return NotMeasured::kOtherRestPose;
+  return std::nullopt;
+}
+
+/// Components of the rotation between fit and truth about the axes of the joint.
+void AddAxes(const Motion& fitted, const Motion& truth, int frame, int joint, SigmaSamples& axes) {
+  const Vector3d error = LogQuaternion(truth.rotation_at(frame, joint).conjugate() * fitted.rotation_at(frame, joint));
+  const std::size_t at = 3 * (static_cast<std::size_t>(frame) * fitted.joint_count() + joint);
+  for (int i = 0; i < 3; ++i) {
+    if (fitted.rotation_observed[at + i] > kObservedAxis)
+      axes.AddAxis(error[i], static_cast<double>(fitted.rotation_sigma[at + i]));
+  }
+}
+
+void AddSigma(const Motion& fitted, const Motion& truth, const std::vector<std::pair<int, int>>& shared,
+              FitError& error) {
+  if (fitted.position_cov.empty()) error.no_positions = NotMeasured::kNoPositionCov;
+  error.no_rotations = WhyNoRotations(fitted, truth);
+  const std::vector<BodyPart> parts = BodyPartsOf(*fitted.skeleton);
   for (int f = 0; f < truth.frame_count(); ++f) {
     for (const auto& [a, b] : shared) {
-      const Eigen::LLT<Matrix3d> root(PositionCovariance(fitted, f, a));
-      if (root.info() != Eigen::Success) continue;
-      const Vector3d white = root.matrixL().solve(Vector3d(fitted.joints.at(f, a) - truth.joints.at(f, b)));
-      for (std::size_t i = 0; i < within.size(); ++i)
-        within[i] += (white.array().abs() < 0.25 * static_cast<double>(i + 1)).count();
-      count += 3;
+      const std::size_t at = static_cast<std::size_t>(f) * fitted.joint_count() + a;
+      const bool observed = fitted.state.empty() || fitted.state[at] == JointState::kObserved ||
+                            fitted.state[at] == JointState::kRepaired;
+      FitSamples& samples = error.sigma.At(parts[a], observed);
+      if (!error.no_positions) {
+        samples.positions.AddPosition(fitted.joints.at(f, a) - truth.joints.at(f, b),
+                                      FromSixNumbers(fitted.position_cov.data() + 6 * at));
+      }
+      if (!error.no_rotations) AddAxes(fitted, truth, f, a, samples.rotations);
     }
   }
-  if (count == 0) return;
-  Coverage& coverage = error.coverage;
-  for (std::size_t i = 0; i < within.size(); ++i)
-    coverage.within[i] = static_cast<double>(within[i]) / static_cast<double>(count);
-  coverage.components = count;
 }
 
 }  // namespace
@@ -128,14 +145,14 @@ Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence
     return Fail(ErrorCode::kInconsistent,
                 "the fit has " + std::to_string(fitted.motion ? fitted.motion->frame_count() : 0) +
                     " frames, the truth " + std::to_string(truth.frame_count()),
-                fitted.id());
+                fitted.id(), "use the truth of this recording, with all of its frames");
   }
   const Motion& motion = *fitted.motion;
   const auto shared = SharedJoints(*motion.skeleton, *truth.skeleton);
   if (shared.empty()) {
     return Fail(ErrorCode::kInconsistent,
                 "skeletons '" + motion.skeleton->name + "' and '" + truth.skeleton->name + "' share no joint name",
-                fitted.id());
+                fitted.id(), "give the joints of one of them the other's names as synonyms");
   }
   FitError error;
   error.frames = truth.frame_count();
@@ -146,7 +163,7 @@ Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence
   error.joint_mm = sum / (static_cast<double>(shared.size()) * truth.frame_count());
   if (!motion.joints_only() && !truth.joints_only()) AddRotationErrors(motion, truth, shared, error);
   AddBoneErrors(motion, truth, shared, error);
-  AddCoverage(motion, truth, shared, error);
+  AddSigma(motion, truth, shared, error);
   if (evidence.tracks) AddEvidenceError(*evidence.tracks, truth, error);
   return error;
 }

@@ -59,7 +59,8 @@ struct AxisErrors {
 
 int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noise_mm, std::size_t count) {
   FitError sum;
-  double noisy = 0.0, one = 0.0, two = 0.0;
+  double noisy = 0.0;
+  Calibration calibration;
   int clips_done = 0;
   AxisErrors axes;
   for (const auto& [person, clips] : ReadPeople(source, skeleton, count, 1e-3 * noise_mm)) {
@@ -78,8 +79,7 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
       sum.frames += error->frames;
       sum.joint_mm += error->frames * error->joint_mm;
       sum.bone_direction_deg += error->frames * error->bone_direction_deg;
-      one += error->frames * error->coverage.within_one_sigma();
-      two += error->frames * error->coverage.within_two_sigma();
+      calibration.Append(error->sigma.All().positions.calibration);
       double off = 0.0;
       for (int f = 0; f < clip.tracks.frames(); ++f) {
         for (int j = 0; j < clip.tracks.joints(); ++j)
@@ -93,7 +93,9 @@ int Recovered(const std::string& source, const SkeletonPtr& skeleton, double noi
   const double mean = std::accumulate(axes.degrees.begin(), axes.degrees.end(), 0.0) / axes.degrees.size();
   std::printf("| %s | %.0f | %d | %d | %.1f | %.1f | %.1f | %.1f, %.1f | %.0f | %.1f, %.1f |\n", source.c_str(),
               noise_mm, clips_done, sum.frames, noisy / n, sum.joint_mm / n, sum.bone_direction_deg / n, mean,
-              MeanMedian(axes.degrees), 100.0 * axes.degrees.size() / axes.axes, 100.0 * one / n, 100.0 * two / n);
+              MeanMedian(axes.degrees), 100.0 * axes.degrees.size() / axes.axes,
+              100.0 * calibration.within_one_sigma().value_or(0.0),
+              100.0 * calibration.within_two_sigma().value_or(0.0));
   return 0;
 }
 

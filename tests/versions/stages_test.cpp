@@ -12,7 +12,9 @@
 #include "canon/options.h"
 #include "canon/stages.h"
 #include "core/base/file.h"
+#include "core/base/random.h"
 #include "core/formats/npy.h"
+#include "core/motion/kinematics.h"
 #include "core/motion/request.h"
 #include "eval/options.h"
 #include "eval/stages.h"
@@ -181,7 +183,21 @@ TEST_F(StageVersions, Rig) {
 
 TEST_F(StageVersions, FitError) {
   const Motion truth = Exercise(30, 1.0);
-  const Motion fit = Exercise(30, 0.9);
+  Motion fit = Exercise(30, 0.9);
+  Random random(13, "fixed errors");  // no two errors are equal but for rounding: their ranks are recorded
+  const auto normal = [&random](double sigma) {
+    return Vector3d(sigma * random.Normal(), sigma * random.Normal(), sigma * random.Normal());
+  };
+  for (Vector3d& root : fit.root_translation) root += normal(0.01);
+  for (Quaterniond& rotation : fit.rotation) rotation = rotation * ExpQuaternion(normal(0.05));
+  ComputeJoints(fit);
+  for (int i = 0; i < fit.frame_count() * fit.joint_count(); ++i) {
+    const float sigma = 0.005F * static_cast<float>(1 + i % 5);
+    for (const float unit : {1.0F, 0.2F, 0.0F, 1.0F, 0.1F, 2.0F}) fit.position_cov.push_back(sigma * sigma * unit);
+    fit.rotation_sigma.insert(fit.rotation_sigma.end(), {2.0F * sigma, 10.0F * sigma, sigma});
+    fit.rotation_observed.insert(fit.rotation_observed.end(), {0.9F, 0.5F, 0.0F});
+    fit.state.push_back(i % 7 == 0 ? JointState::kInferred : JointState::kObserved);
+  }
   const Clip clip = TrackedClip("p1", "r1", "wave", truth);
   Write(WriteEvidence(clip, Path("evidence.h5")));
   Write(WriteDataset(FittedClip(clip, fit), Path("fit.h5")));
