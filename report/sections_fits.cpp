@@ -112,8 +112,59 @@ std::string CoverageChart(const nlohmann::json& error) {
     chart.curves[0].points.push_back({sigmas, 100.0 * std::erf(sigmas / std::sqrt(2.0))});
     chart.curves[1].points.push_back({sigmas, 100.0 * share});
   }
-  if (sigmas == 0.0) return "";
-  return "<div class=\"charts wide\">" + PlotHtml(chart) + "</div>\n";
+  return sigmas == 0.0 ? "" : PlotHtml(chart);
+}
+
+/// Measures of stated uncertainty: positions and rotations of each group, then positions of each kind of evidence.
+std::string SigmaTable(const nlohmann::json& sigma) {
+  HtmlTable table{
+      "Errors within one and two stated standard deviations, and how well the deviations order the errors "
+      "(AUC: of errors above " +
+          NumberCell(sigma, "large_error_mm", 0) + " mm)",
+      {"", "Samples", "Within one, % (68.3)", "Within two, % (95.4)", "Calibration error", "Spearman", "AUC"}};
+  const auto add = [&table](const std::string& name, const nlohmann::json& measures) {
+    if (CountOf(measures, "samples") == 0) return;
+    const auto share = [&measures](const char* key) {
+      const auto value = NumberOf(measures, key);
+      return value ? FixedText(100.0 * *value, 1) : std::string("–");
+    };
+    table.rows.push_back({EscapeHtml(name), CountText(CountOf(measures, "samples")), share("within_one_sigma"),
+                          share("within_two_sigma"), NumberCell(measures, "ece", 3),
+                          NumberCell(measures, "spearman", 2), NumberCell(measures, "auc", 2)});
+  };
+  const nlohmann::json& groups = Field(sigma, "groups");
+  for (const auto& [part, heading] : {std::pair("positions", "Positions"), {"rotations", "Rotations"}}) {
+    for (const auto& [key, name] : {std::pair("all", "all joints"),
+                                    {"trunk", "trunk"},
+                                    {"head", "head"},
+                                    {"arms", "arms"},
+                                    {"legs", "legs"},
+                                    {"not_observed", "not observed"}})
+      add(std::string(heading) + ": " + name, Field(Field(groups, key), part));
+  }
+  if (const nlohmann::json& kinds = Field(sigma, "by_evidence"); kinds.is_object()) {
+    for (const auto& [kind, of_kind] : kinds.items())
+      add("Positions from " + kind, Field(Field(of_kind, "all"), "positions"));
+  }
+  std::string html = table.rows.empty() ? "" : table.Html();
+  for (const nlohmann::json& warning : Elements(Field(sigma, "warnings")))
+    html += Paragraph(EscapeHtml(TextOf(warning, "message")) + ".", "soft");
+  return html;
+}
+
+/// Mean error over the share of joints that is kept, by the stated deviation and in the ideal order.
+std::string RiskCoverageChart(const nlohmann::json& sigma) {
+  const nlohmann::json& positions = Field(Field(Field(sigma, "groups"), "all"), "positions");
+  Plot chart{"Mean error of the joints with the smallest stated deviations, mm", "joints kept, %", "mm"};
+  for (const auto& [name, key, colour] : {std::tuple("by error (ideal)", "ideal_risk_coverage_mm", 5),
+                                          std::tuple("by stated deviation", "risk_coverage_mm", 0)}) {
+    PlotCurve curve{name, {}, colour};
+    double kept = 0.0;
+    for (const double risk : NumbersOf(Field(positions, key))) curve.points.push_back({kept += 10.0, risk});
+    if (curve.points.empty()) return "";
+    chart.curves.push_back(std::move(curve));
+  }
+  return PlotHtml(chart);
 }
 
 }  // namespace
@@ -160,14 +211,10 @@ std::string TruthHtml(const ReportInput& input) {
   table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
   table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
   table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});
-  const auto share = [&error](const char* key) {
-    const auto value = NumberOf(error, key);
-    return value ? FixedText(100.0 * *value, 1) : std::string("–");
-  };
-  table.rows.push_back(
-      {"Errors within one estimated standard deviation, % (68.3 expected)", "–", share("within_one_sigma")});
-  table.rows.push_back({"within two, % (95.4 expected)", "–", share("within_two_sigma")});
-  return table.Html() + CoverageChart(error) +
+  const nlohmann::json& sigma = Field(error, "sigma");
+  const std::string charts = CoverageChart(error) + RiskCoverageChart(sigma);
+  return table.Html() + SigmaTable(sigma) +
+         (charts.empty() ? "" : "<div class=\"charts wide\">" + charts + "</div>\n") +
          Paragraph("Only the evaluation reads the truth; no earlier stage does.", "soft");
 }
 

@@ -112,6 +112,33 @@ TEST(ReportPage, DrawsHowManyErrorsTheStatedUncertaintyCovers) {
   EXPECT_THAT(PageOf(run), HasSubstr("estimated standard deviations, %</figcaption>"));
 }
 
+TEST(ReportPage, TabulatesTheMeasuresOfTheStatedUncertainty) {
+  SmallRun run;
+  EXPECT_THAT(PageOf(run), Not(HasSubstr("errors above 50 mm")));
+  const nlohmann::json measures = {{"samples", 1200},
+                                   {"within_one_sigma", 0.7},
+                                   {"within_two_sigma", 0.9},
+                                   {"ece", 0.0625},
+                                   {"spearman", 0.5},
+                                   {"auc", nullptr},
+                                   {"risk_coverage_mm", {2.0, 4.0}},
+                                   {"ideal_risk_coverage_mm", {1.0, 4.0}}};
+  const nlohmann::json groups = {{"all", {{"positions", measures}, {"rotations", {{"samples", 0}}}}},
+                                 {"legs", {{"positions", measures}}}};
+  run.run["fit_error"]["sigma"] = {{"large_error_mm", 50},
+                                   {"groups", groups},
+                                   {"by_evidence", {{"<keypoints>", groups}}},
+                                   {"warnings", {{{"message", "2 clips: no truth"}}}}};
+  const std::string page = PageOf(run);
+  EXPECT_THAT(page, HasSubstr("AUC: of errors above 50 mm)</caption>"));
+  const std::string cells = "<td>70.0</td><td>90.0</td><td>0.062</td><td>0.50</td><td>–</td>";
+  for (const char* name : {"Positions: all joints", "Positions: legs", "Positions from &lt;keypoints&gt;"})
+    EXPECT_THAT(page, HasSubstr(std::string(">") + name + "</th><td>1\u2009200</td>" + cells));
+  EXPECT_THAT(page, Not(HasSubstr("Rotations: all joints")));
+  EXPECT_THAT(page, HasSubstr("2 clips: no truth."));
+  EXPECT_THAT(page, HasSubstr("smallest stated deviations, mm</figcaption>"));
+}
+
 TEST(ReportPage, LinksEveryClipThatHasAPageAndListsTheRest) {
   SmallRun run;
   run.run["pages"]["test/p1/b"] = {{"page", "clip_001.html"}, {"video", "clip_001.mp4"}};
