@@ -1,5 +1,6 @@
 // Verbs about motions and networks: export, generate, draw, reproduce, eval.
 
+#include <algorithm>
 #include <vector>
 
 #include "app/commands.h"
@@ -197,12 +198,24 @@ void AddReproduce(const CommandLine& line) {
   line.Calls(reproduce, ReproduceVerb, arguments);
 }
 
+/// Error kUsage where options are given that do not apply beside `name`.
+Status CheckAlone(const CLI::App& verb, const std::string& name, const std::vector<const CLI::Option*>& beside) {
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option->count() == 0 || std::find(beside.begin(), beside.end(), option) != beside.end()) continue;
+    std::vector<std::string> names;
+    for (const CLI::Option* other : beside) names.push_back(other->get_name());
+    return Fail(ErrorCode::kUsage, option->get_name() + " is given, but does not apply beside " + name, "command line",
+                "remove it; these apply: " + JoinTexts(names));
+  }
+  return {};
+}
+
 void AddEval(const CommandLine& line) {
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App* eval = line.app.add_subcommand("eval", "Score generated motions of any program with the papers' metrics");
+  CLI::App* eval = line.app.add_subcommand(
+      "eval", "Score generated motions of any program with the papers' metrics, or fits with their ground truth");
   eval->add_option("--protocol", arguments->protocol,
-                   "scoring protocol: " + JoinTexts(ProtocolNames()) + ", or a YAML file")
-      ->required();
+                   "scoring protocol: " + JoinTexts(ProtocolNames()) + ", or a YAML file; needed without --fits");
   AddRepeated(eval, "--generated", arguments->generated,
               "motions to score, a file or a folder: a dataset or MotionSet of mocurate; .npy of (motions, frames, "
               "joints, 3) or (motions, frames, 3 joints); MDM's results.npy; ACTOR's generation.npy; a folder of "
@@ -249,7 +262,15 @@ void AddEval(const CommandLine& line) {
   AddRepeated(eval, "--doses", arguments->doses, "a damage and its doses, of: " + damages + "; may be repeated")
       ->type_name("NAME=DOSE,...");
   eval->add_option("--seed", arguments->seed, "seed of the damages (default 1)");
-  eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
+  CLI::Option* fits = AddRepeated(eval, "--fits", arguments->fits,
+                                  "instead of --generated: fits to compare with --truth, a dataset or a run folder. "
+                                  "NAME=PATH names the row; may be repeated");
+  CLI::Option* truth =
+      eval->add_option("--truth", arguments->truth,
+                       "ground truth of --fits by clip id, in the world of their source: the folder truth of mocurate "
+                       "synthesize or a file of it, or a dataset");
+  CLI::Option* output =
+      eval->add_option("-o,--output", arguments->output, "folder for features/SET.h5, tables/ and metrics.json");
   AddAssignments(eval, arguments->assignments,
                  "override an option of the protocol or its extractor, e.g. --set variant=released, "
                  "--set extractor.generated_root=first_frame");
@@ -265,9 +286,12 @@ void AddEval(const CommandLine& line) {
       "    --real runs/humanact12/dataset.h5 -o scores\n"
       "  mocurate eval --protocol a2m-ntu13 --generated raw.npy --bone-lengths joints.npy --labels classes.npy\n"
       "  mocurate eval --protocol own --run runs/kard --generated generated.h5 --json\n"
-      "  mocurate eval --protocol own --run runs/kard --dose-response --doses jitter_mm=1,5,20 -o doses");
-  const auto call = [dose_response](CommonArguments& common, EvalArguments& given) {
+      "  mocurate eval --protocol own --run runs/kard --dose-response --doses jitter_mm=1,5,20 -o doses\n"
+      "  mocurate eval --fits fits.h5 --truth studio_tracks/truth -o scores");
+  const std::vector<const CLI::Option*> of_fits = {fits, truth, output, eval->get_option("--jobs")};
+  const auto call = [dose_response, eval, of_fits](CommonArguments& common, EvalArguments& given) {
     given.dose_response = dose_response->count() > 0;
+    if (Status alone = given.fits.empty() ? Status() : CheckAlone(*eval, "--fits", of_fits); !alone) return alone;
     return EvalVerb(common, given);
   };
   line.Calls(eval, call, arguments);

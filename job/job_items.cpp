@@ -368,7 +368,7 @@ Expected<std::vector<StageInput>> TruthInputs(const std::filesystem::path& truth
   for (const std::filesystem::path& file : files) inputs.push_back({"truth", file.filename().string(), file, ""});
   if (!inputs.empty()) return inputs;
   return Fail(ErrorCode::kNotFound, "no truth file (.h5) is here", DisplayPath(truth),
-              "ingest.truth is the folder truth that `mocurate synthesize` writes beside a capture, or a file of it");
+              "give the folder truth that `mocurate synthesize` writes beside a capture, or a file of it");
 }
 
 std::optional<ItemSpec> FitErrorItem(const std::vector<ClipRecord>& clips, const std::vector<StageInput>& truth) {

@@ -91,7 +91,7 @@ std::string LatexText(std::string_view text) {
 }  // namespace
 
 std::vector<std::vector<std::string>> CellTexts(const Table& table) {
-  std::vector<std::vector<std::string>> texts = {{"method"}};
+  std::vector<std::vector<std::string>> texts = {{table.first}};
   texts[0].insert(texts[0].end(), table.columns.begin(), table.columns.end());
   for (const Table::Row& row : table.rows) {
     const std::string source = row.source.empty() ? "" : " (" + row.source + ")";

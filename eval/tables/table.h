@@ -25,6 +25,7 @@ struct Table {
     bool unconverged = false;
   };
   std::string title;
+  std::string first = "method";  ///< head of the rows' names
   std::vector<std::string> columns;
   std::vector<int> digits;  ///< decimals per column
   std::vector<Row> rows;

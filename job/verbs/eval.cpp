@@ -30,14 +30,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A row as given on the command line, with a name that no other row has.
-NamedPath NamedRow(const std::string& text, std::set<std::string>& taken) {
-  NamedPath named = NamedPathOf(text);
-  const std::string base = named.name;
-  for (int copy = 2; !taken.insert(named.name).second; ++copy) named.name = base + "~" + std::to_string(copy);
-  return named;
-}
-
 Status CheckExists(const fs::path& path, const char* option) {
   std::error_code unknown;
   if (path.empty() || fs::exists(path, unknown)) return {};
@@ -45,6 +37,14 @@ Status CheckExists(const fs::path& path, const char* option) {
 }
 
 Status CheckArguments(const EvalArguments& arguments) {
+  if (!arguments.truth.empty()) {
+    return Fail(ErrorCode::kUsage, "--truth is given without --fits", "command line", "add --fits DATASET");
+  }
+  if (arguments.protocol.empty()) {
+    return Fail(
+        ErrorCode::kUsage, "neither --protocol nor --fits is given", "command line",
+        "give --protocol NAME to score motions, or --fits DATASET --truth FILE to compare fits with their truth");
+  }
   if (Status sound = CheckDoseArguments(arguments); !sound) return sound;
   if (arguments.values == "joints" && !arguments.bone_lengths.empty()) {
     return Fail(ErrorCode::kUsage, "--bone-lengths is for Lie parameters, but --values is joints", "command line",
@@ -245,6 +245,7 @@ void PrintEvaluation(const nlohmann::json& result, const std::string& instead) {
 }  // namespace
 
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
+  if (!arguments.fits.empty()) return EvalFitsVerb(common, arguments);
   ChooseBlasKernels();
   const ConfigRules rules{common.allow_include};
   if (Status known = CheckTolerated(arguments.tolerate); !known) return known;

@@ -103,6 +103,13 @@ NamedPath NamedPathOf(const std::string& text) {
   return {DisplayPath((whole.filename().empty() ? whole.parent_path() : whole).stem()), text};
 }
 
+NamedPath NamedRow(const std::string& text, std::set<std::string>& taken) {
+  NamedPath named = NamedPathOf(text);
+  const std::string base = named.name;
+  for (int copy = 2; !taken.insert(named.name).second; ++copy) named.name = base + "~" + std::to_string(copy);
+  return named;
+}
+
 Expected<StageInput> MotionsInput(const std::string& name, const MotionFiles& files, const ExtractorOptions& extractor,
                                   const std::string& declare, VerbStages& stages) {
   if (IsMotionStore(files.path) && files.labels.empty()) return StageInput{"motions", name, files.path, ""};

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct NamedPath {
   std::filesystem::path path;
 };
 NamedPath NamedPathOf(const std::string& text);
+/// The same with a name that is not in `taken`, to which it is added: NAME, NAME~2, ...
+NamedPath NamedRow(const std::string& text, std::set<std::string>& taken);
 
 /// Motions as one dataset or MotionSet: one of mocurate unchanged, other files through the stage `motions`, with
 /// warnings of unreadable ones. `declare`: what to do about bare arrays that neither `files` nor the extractor

@@ -171,6 +171,8 @@ struct EvalArguments {
   std::uint64_t seed = 1;              ///< of the damages
   int jobs = 0;
   std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
+  std::vector<std::string> fits;      ///< datasets or run folders to compare with `truth` instead; NAME=PATH
+  std::filesystem::path truth;        ///< file or folder of ground truth, or a dataset
 };
 
 struct AuditArguments {
@@ -302,6 +304,8 @@ Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments)
 Status DrawVerb(CommonArguments& common, const DrawArguments& arguments);
 Status ReproduceVerb(CommonArguments& common, const ReproduceArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
+/// EvalVerb of fits with ground truth.
+Status EvalFitsVerb(CommonArguments& common, const EvalArguments& arguments);
 Status AuditVerb(CommonArguments& common, const AuditArguments& arguments);
 Status ReviewVerb(CommonArguments& common, const ReviewArguments& arguments);
 Status AnnotateVerb(CommonArguments& common, const ReviewArguments& arguments);
