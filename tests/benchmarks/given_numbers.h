@@ -17,4 +17,13 @@ inline std::map<std::string, double> GivenNumbers(int argc, char** argv, int fir
   return given;
 }
 
+/// The text of the argument NAME=TEXT, from the one at `first` on; empty where it is not given.
+inline std::string GivenText(int argc, char** argv, int first, const std::string& name) {
+  for (int i = first; i < argc; ++i) {
+    const std::string text = argv[i];
+    if (text.rfind(name + "=", 0) == 0) return text.substr(name.size() + 1);
+  }
+  return {};
+}
+
 }  // namespace mocurate
