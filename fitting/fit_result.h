@@ -15,6 +15,9 @@ namespace mocurate {
 
 /// Code of the findings of samples that jump away and back, one per joint; value: their count.
 inline constexpr const char* kOutliersRejected = "outliers_rejected";
+/// Code of the findings of observed samples that contradict the fitted body, one per joint; value: their count. The
+/// joint's state in these frames is kInterpolated or kInferred; nothing else changes.
+inline constexpr const char* kSamplesContradicted = "samples_contradicted";
 
 /// A fitted motion and its residuals. Lengths in metres.
 struct FitResult {

@@ -255,6 +255,6 @@ StageDeclaration RigDeclaration() { return {"rig", 3, "mocurate-annotate", Solve
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 37, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 61, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 62, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

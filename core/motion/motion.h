@@ -46,7 +46,8 @@ struct JointPositions {
   bool empty() const { return xyz.empty(); }
 };
 
-/// Where a joint of a frame comes from; training can mask on it.
+/// Where a joint of a frame comes from; training can mask on it. Samples that contradict the fitted body count as not
+/// observed: interpolated where such a gap is short, else inferred.
 enum class JointState : std::uint8_t { kObserved = 0, kRepaired = 1, kInterpolated = 2, kInferred = 3 };
 
 /// Motion of one person. Either full (root translation and one rotation per joint; joints are computed from them) or

@@ -27,8 +27,8 @@ inline constexpr double kNearBodyShare = 0.5;
 Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<FusedCloud>& clouds,
                                        const PointCloudOptions& options);
 
-/// Joints with an observation at or below them in any frame. The fit of the tracks has no information about the others.
-/// (J)
+/// Joints with an observation at or below them in any frame; samples that contradict the fitted body are none. The fit
+/// of the tracks has no information about the others. (J)
 std::vector<bool> KnownJoints(const Motion& motion);
 
 /// Standard deviation per axis that a motion states, root mean square over the frames: of joints with keypoints, or of

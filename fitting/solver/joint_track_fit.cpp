@@ -24,6 +24,11 @@ namespace mocurate {
 namespace {
 
 constexpr double kNearlyExact = 1e-3;  ///< metres, for tracks too short to show their noise
+/// m from a sample to its fitted joint; nearer ones agree with the body. Source: 3DPCK, Mehta et al., 3DV 2017
+constexpr double kContradictedDistance = 0.15;
+/// Chi square of a sample's distance from its fitted joint, beyond four of its own standard deviations. Source:
+/// chi-square distribution, three degrees of freedom, 99.9 %
+constexpr double kContradictedChiSquare = 16.3;
 
 /// Solves windows one after the other: a window of W frames keeps its first W - overlap, the rest is fitted again.
 Status SolveWindows(const TrackProblem& problem, const TrackStep& step, PoseSolver solver, FitResult& result) {
@@ -83,13 +88,17 @@ double ProcessNoiseWidening(const NoiseEstimate& noise) {
   return noise.white > 0.0 ? std::clamp(std::sqrt(noise.sigma / noise.white), 1.0, 3.0) : 1.0;
 }
 
-/// States of each joint by GapStates. (F*J)
-std::vector<JointState> StatesOf(const SkeletonTracks& tracks, double frame_s, double max_gap_s) {
+/// States of each joint by GapStates; `contradicted` samples (F*J) do not count as observed. (F*J)
+std::vector<JointState> StatesOf(const SkeletonTracks& tracks, const std::vector<bool>& contradicted, double frame_s,
+                                 double max_gap_s) {
   std::vector<JointState> states(tracks.confidence.size());
   const auto joints = static_cast<std::size_t>(tracks.joints());
   std::vector<bool> observed(static_cast<std::size_t>(tracks.frames()));
   for (int j = 0; j < tracks.joints(); ++j) {
-    for (int f = 0; f < tracks.frames(); ++f) observed[static_cast<std::size_t>(f)] = tracks.seen(f, j);
+    for (int f = 0; f < tracks.frames(); ++f) {
+      const std::size_t at = static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(j);
+      observed[static_cast<std::size_t>(f)] = tracks.seen(f, j) && !contradicted[at];
+    }
     const std::vector<JointState> of_joint = GapStates(observed, tracks.time_s, frame_s, max_gap_s);
     for (std::size_t f = 0; f < of_joint.size(); ++f) states[f * joints + static_cast<std::size_t>(j)] = of_joint[f];
   }
@@ -124,20 +133,64 @@ void MeasureResiduals(const SkeletonTracks& tracks, double sigma, const std::vec
   result.rejected_share = (all - static_cast<double>(used.size())) / all;
 }
 
+/// Observed samples that contradict the fitted body (`joints`): farther from their joint than kContradictedDistance and
+/// than their own covariance explains (kContradictedChiSquare). `variance` (m^2 per axis) is that of a sample whose
+/// precision is the identity. (F*J)
+std::vector<bool> FindContradictedSamples(const SkeletonTracks& tracks, const JointPositions& joints, double variance) {
+  std::vector<bool> contradicted(tracks.confidence.size(), false);
+  for (int f = 0; f < tracks.frames(); ++f) {
+    for (int j = 0; j < tracks.joints(); ++j) {
+      if (!tracks.seen(f, j)) continue;
+      const Vector3d off = joints.at(f, j) - tracks.positions.at(f, j);
+      const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
+      contradicted[at] = off.norm() > kContradictedDistance &&
+                         off.dot(tracks.precision_at(f, j) * off) > kContradictedChiSquare * variance;
+    }
+  }
+  return contradicted;
+}
+
+/// Frames of a joint that are marked in a mask (F*J), in order.
+std::vector<int> MarkedFrames(const std::vector<bool>& marked, const SkeletonTracks& tracks, int joint) {
+  std::vector<int> frames;
+  for (int f = 0; f < tracks.frames(); ++f) {
+    if (marked[static_cast<std::size_t>(f) * tracks.joints() + joint]) frames.push_back(f);
+  }
+  return frames;
+}
+
 /// One finding per joint that has samples rejected.
 void ReportOutliers(const SkeletonTracks& tracks, const std::vector<bool>& rejected, FitResult& result) {
   for (int j = 0; j < tracks.joints(); ++j) {
-    int count = 0, first = 0, last = 0;
-    for (int f = 0; f < tracks.frames(); ++f) {
-      if (!rejected[static_cast<std::size_t>(f) * tracks.joints() + j]) continue;
-      if (count++ == 0) first = f;
-      last = f;
-    }
-    if (count == 0) continue;
-    Finding finding = FrameFinding(kOutliersRejected, first, last + 1, tracks.skeleton->joints[j].name, count,
-                                   Counted(count, "sample") + " rejected: far from neighbouring frames");
+    const std::vector<int> frames = MarkedFrames(rejected, tracks, j);
+    if (frames.empty()) continue;
+    const auto count = static_cast<long long>(frames.size());
+    Finding finding =
+        FrameFinding(kOutliersRejected, frames.front(), frames.back() + 1, tracks.skeleton->joints[j].name,
+                     static_cast<double>(count), Counted(count, "sample") + " rejected: far from neighbouring frames");
     finding.severity = Severity::kInfo;
     finding.action = FindingAction::kMissing;
+    result.findings.push_back(std::move(finding));
+  }
+}
+
+/// One finding per joint that has samples that contradict the body.
+void ReportContradictedSamples(const SkeletonTracks& tracks, const std::vector<bool>& contradicted, FitResult& result) {
+  for (int j = 0; j < tracks.joints(); ++j) {
+    const std::vector<int> frames = MarkedFrames(contradicted, tracks, j);
+    if (frames.empty()) continue;
+    double farthest = 0.0;
+    for (const int f : frames)
+      farthest = std::max(farthest, (result.motion.joints.at(f, j) - tracks.positions.at(f, j)).norm());
+    const auto count = static_cast<long long>(frames.size());
+    Finding finding = FrameFinding(
+        kSamplesContradicted, frames.front(), frames.back() + 1, tracks.skeleton->joints[j].name,
+        static_cast<double>(count),
+        Counted(count, "sample") + " up to " + RoundedText(1e3 * farthest, 3) +
+            " mm from the fitted joint (limits: 150 mm and four standard deviations): with constant bone lengths no "
+            "pose explains all joints. Which samples are wrong is unknown. The joint counts as not observed there; "
+            "look at these frames, or train with the joints' states");
+    finding.severity = Severity::kInfo;
     result.findings.push_back(std::move(finding));
   }
 }
@@ -210,7 +263,6 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   state.Update(0, state.frames(), false);
   result.findings = std::move(disagreements);
   result.motion = MotionOf(state, tracks.skeleton, rate);
-  result.motion.state = StatesOf(tracks, rate.FrameTime(1), options.max_gap_s);
   // From positions and priors alone. The offsets of recorded frames are estimated from the same pose; taking them as
   // known would understate the uncertainty of the mean twist. Without steps there is no uncertainty.
   whole.rotations = nullptr;
@@ -226,11 +278,15 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     result.variance_factor = uncertainty->variance_factor;
     result.poses = std::move(uncertainty->poses);
   }
+  const std::vector<bool> contradicted =
+      FindContradictedSamples(tracks, result.motion.joints, result.variance_factor * sigma * sigma);
+  result.motion.state = StatesOf(tracks, contradicted, rate.FrameTime(1), options.max_gap_s);
   MeasureResiduals(tracks, sigma, rejected, result);
   std::vector<bool> unseen = tracks.ObservedFrames();
   unseen.flip();
   ReportFramesWithout(unseen, "no joint is observed", result.findings);
   ReportOutliers(tracks, rejected, result);
+  ReportContradictedSamples(tracks, contradicted, result);
   if (!noise.measured) ReportAssumedNoise(given.frames(), noise.sigma, result);
   return result;
 }

@@ -120,7 +120,9 @@ void Add(const RealClip& clip, const std::string& person, const FitResult& fit, 
   std::vector<bool> swapped = repaired;
   for (const Finding& finding : fit.findings) {
     if (finding.code == kOutliersRejected) row.outliers += finding.value;
-    if (finding.code == kOutliersRejected || finding.code == kFramesWithoutEvidence) continue;
+    if (finding.code == kOutliersRejected || finding.code == kSamplesContradicted ||
+        finding.code == kFramesWithoutEvidence)
+      continue;
     if (std::getenv("REPAIRS") != nullptr) {
       std::printf("%s %s [%d, %d): %s (%.1f)\n", clip.id.c_str(), finding.code.c_str(), finding.frame_begin,
                   finding.frame_end, finding.message.c_str(), finding.value);

@@ -78,6 +78,10 @@ inline PlayedTake SmoothTake(int frames, const Quaterniond& world_from_root = Qu
   return take;
 }
 
+inline JointState StateAt(const Motion& motion, int frame, int joint) {
+  return motion.state[static_cast<std::size_t>(frame) * motion.joint_count() + static_cast<std::size_t>(joint)];
+}
+
 /// Marks a sample as not observed; its position must not be read.
 inline void Hide(SkeletonTracks& tracks, int frame, int joint) {
   tracks.confidence[static_cast<std::size_t>(frame) * tracks.joints() + joint] = 0.0;

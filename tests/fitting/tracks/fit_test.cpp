@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "fitting/clouds/joint_cloud_fit.h"
 #include "fitting/evidence/noise.h"
 #include "fitting/solver/bone_lengths.h"
 #include "tests/fitting/takes.h"
@@ -207,6 +210,58 @@ TEST(JointTrackFit, ResistsGrossOutliers) {
   EXPECT_LT(RmsError(fit.motion.joints, take.truth.joints), 2.0 * undisturbed);
   ASSERT_FALSE(fit.findings.empty());
   EXPECT_EQ(fit.findings[0].code, "outliers_rejected");
+}
+
+/// A tracker moves an ankle halfway up to the hip: a bone of constant length does not reach it.
+TEST(JointTrackFit, CountsSamplesThatContradictTheBodyAsNotObserved) {
+  const int hip = *TestSkeleton()->FindJoint("left_hip");
+  const int ankle = *TestSkeleton()->FindJoint("left_ankle");
+  const std::pair<int, JointState> cases[] = {{10, JointState::kInterpolated}, {25, JointState::kInferred}};
+  for (const auto& [length, state] : cases) {
+    PlayedTake take = SmoothTake(90);
+    AddNoise(take.tracks, 0.01, 13);
+    for (int f = 30; f < 30 + length; ++f) {
+      const Vector3d middle = 0.5 * (take.tracks.positions.at(f, hip) + take.tracks.positions.at(f, ankle));
+      take.tracks.positions.at(f, ankle) = middle;
+    }
+    const FitResult fit = FitTake(take);
+    for (int f = 0; f < 90; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j) {
+        const bool collapsed = j == ankle && f >= 30 && f < 30 + length;
+        EXPECT_EQ(StateAt(fit.motion, f, j), collapsed ? state : JointState::kObserved)
+            << "frame " << f << " joint " << j;
+      }
+    }
+    ASSERT_EQ(fit.findings.size(), 1u);
+    const Finding& finding = fit.findings[0];
+    EXPECT_EQ(finding.code, kSamplesContradicted);
+    EXPECT_EQ(finding.severity, Severity::kInfo);
+    EXPECT_EQ(finding.action, FindingAction::kFlagged);
+    EXPECT_EQ(finding.joint, "left_ankle");
+    EXPECT_EQ(finding.frame_begin, 30);
+    EXPECT_EQ(finding.frame_end, 30 + length);
+    EXPECT_EQ(finding.value, length);
+    EXPECT_EQ(KnownJoints(fit.motion), std::vector<bool>(fit.motion.state.size() / 90, true))
+        << "the ankle is observed in other frames";
+  }
+}
+
+/// Far along a direction in which the sample is uncertain, as along the ray of a keypoint, is no contradiction.
+TEST(JointTrackFit, KeepsObservedWhatItsOwnDeviationExplains) {
+  const int wrist = *TestSkeleton()->FindJoint("left_wrist");
+  for (const bool uncertain : {false, true}) {
+    PlayedTake take = SmoothTake(60);
+    AddNoise(take.tracks, 0.01, 3);
+    take.tracks.precision.assign(take.tracks.confidence.size(), Matrix3d::Identity());
+    for (int f = 20; f < 30; ++f) {
+      const std::size_t at = static_cast<std::size_t>(f) * take.tracks.joints() + static_cast<std::size_t>(wrist);
+      take.tracks.positions.at(f, wrist).z() += 0.6;
+      if (uncertain) take.tracks.precision[at] = Vector3d(1.0, 1.0, 1e-4).asDiagonal();
+    }
+    const FitResult fit = FitTake(take);
+    EXPECT_GT((fit.motion.joints.at(25, wrist) - take.tracks.positions.at(25, wrist)).norm(), 0.15);
+    EXPECT_EQ(StateAt(fit.motion, 25, wrist), uncertain ? JointState::kObserved : JointState::kInterpolated);
+  }
 }
 
 TEST(JointTrackFit, WeightsEachDirectionByItsPrecision) {

@@ -49,10 +49,6 @@ std::vector<Finding> OfCode(const FitResult& fit, const std::string& code) {
   return found;
 }
 
-JointState StateAt(const FitResult& fit, int frame, int joint) {
-  return fit.motion.state[static_cast<std::size_t>(frame) * fit.motion.joint_count() + joint];
-}
-
 struct Exchanged {
   const char* what;
   std::vector<int> left;  ///< of TestSkeleton
@@ -89,7 +85,8 @@ TEST_P(ExchangedLimbs, AreExchangedBackAndReported) {
         const auto& left = GetParam().left;
         const bool listed = std::find(left.begin(), left.end(), std::min(j, mirror)) != left.end();
         const bool listed_frame = f >= 40 && f < 40 + frames && listed;
-        EXPECT_EQ(StateAt(fit, f, j), listed_frame ? JointState::kRepaired : JointState::kObserved) << f << " " << j;
+        EXPECT_EQ(StateAt(fit.motion, f, j), listed_frame ? JointState::kRepaired : JointState::kObserved)
+            << f << " " << j;
       }
     }
   }
@@ -185,8 +182,8 @@ TEST(Repair, MarksRepeatedValuesAsMissing) {
   const auto findings = OfCode(fit, "repeated_value");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].joint, "left_wrist");
-  EXPECT_EQ(StateAt(fit, 40, wrist), JointState::kObserved);
-  EXPECT_EQ(StateAt(fit, 48, wrist), JointState::kInterpolated);
+  EXPECT_EQ(StateAt(fit.motion, 40, wrist), JointState::kObserved);
+  EXPECT_EQ(StateAt(fit.motion, 48, wrist), JointState::kInterpolated);
   RepairOptions off;
   off.repeated_values = false;
   const auto error = [&](const FitResult& result) {
@@ -204,7 +201,7 @@ TEST(Repair, MarksAPositionJumpAsMissing) {
   ASSERT_EQ(OfCode(fit, "position_jump").size(), 1u);
   EXPECT_EQ(OfCode(fit, "position_jump")[0].frame_begin, 40);
   EXPECT_EQ(OfCode(fit, "position_jump")[0].frame_end, 50);
-  EXPECT_EQ(StateAt(fit, 45, 0), JointState::kInterpolated);
+  EXPECT_EQ(StateAt(fit.motion, 45, 0), JointState::kInterpolated);
   EXPECT_LT((fit.motion.joints.at(45, 0) - take.truth.joints.at(45, 0)).norm(), 0.05);
 }
 
@@ -219,14 +216,14 @@ TEST(Repair, ReportsAJumpOfTheBodyThatIsNotRecovered) {
   move(40, 44);
   const FitResult back = FitRepaired(take);
   ASSERT_EQ(OfCode(back, "position_jump").size(), 1u);
-  EXPECT_EQ(StateAt(back, 42, 0), JointState::kInterpolated);
+  EXPECT_EQ(StateAt(back.motion, 42, 0), JointState::kInterpolated);
   move(44, 90);
   const FitResult stays = FitRepaired(take);
   EXPECT_TRUE(OfCode(stays, "position_jump").empty());
   ASSERT_EQ(OfCode(stays, "unrecovered_jump").size(), 1u);
   EXPECT_EQ(OfCode(stays, "unrecovered_jump")[0].frame_begin, 39);
   EXPECT_EQ(OfCode(stays, "unrecovered_jump")[0].action, FindingAction::kFlagged);
-  EXPECT_EQ(StateAt(stays, 42, 0), JointState::kObserved);
+  EXPECT_EQ(StateAt(stays.motion, 42, 0), JointState::kObserved);
 }
 
 /// A hand 0.58 m off for a third of a second: forearms have constant length, and hands do not jump.
@@ -245,7 +242,8 @@ TEST(Repair, MarksAMisplacedHandAsMissing) {
     EXPECT_EQ(findings[0].frame_begin, 40);
     EXPECT_EQ(findings[0].frame_end, 50);
     EXPECT_EQ(findings[0].action, FindingAction::kMissing);
-    for (int f = 0; f < 90; ++f) EXPECT_EQ(StateAt(fit, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
+    for (int f = 0; f < 90; ++f)
+      EXPECT_EQ(StateAt(fit.motion, f, wrist) == JointState::kObserved, f < 40 || f >= 50) << f;
   }
   EXPECT_TRUE(OfCode(FitRepaired(TurningTake(90)), "bone_length_violation").empty());
 }
@@ -320,9 +318,9 @@ TEST(Repair, StatesDependOnTheLengthOfTheGap) {
   for (int f = 20; f < 100; ++f) Hide(take.tracks, f, 5);
   for (int f = 20; f < 30; ++f) Hide(take.tracks, f, 6);
   const FitResult fit = FitRepaired(take);
-  EXPECT_EQ(StateAt(fit, 19, 5), JointState::kObserved);
-  for (const int f : {20, 60, 99}) EXPECT_EQ(StateAt(fit, f, 5), JointState::kInferred) << f;  // 2.7 s
-  EXPECT_EQ(StateAt(fit, 25, 6), JointState::kInterpolated);
+  EXPECT_EQ(StateAt(fit.motion, 19, 5), JointState::kObserved);
+  for (const int f : {20, 60, 99}) EXPECT_EQ(StateAt(fit.motion, f, 5), JointState::kInferred) << f;  // 2.7 s
+  EXPECT_EQ(StateAt(fit.motion, 25, 6), JointState::kInterpolated);
 }
 
 }  // namespace

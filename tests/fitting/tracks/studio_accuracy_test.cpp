@@ -11,6 +11,7 @@ namespace {
 struct Scores {
   FitScore fit;
   SwapScore swaps;
+  double contradicted = 0.0;  ///< samples, of all clips
 };
 
 Scores FitStudio(std::uint64_t seed, const StudioClipErrors& errors) {
@@ -27,6 +28,8 @@ Scores FitStudio(std::uint64_t seed, const StudioClipErrors& errors) {
     if (!fit) continue;
     scores.fit.Add(*fit, clip);
     scores.swaps.Add(*fit, clip);
+    for (const Finding& finding : fit->findings)
+      scores.contradicted += finding.code == kSamplesContradicted ? finding.value : 0.0;
   }
   return scores;
 }
@@ -41,6 +44,13 @@ TEST(StudioAccuracy, JointsAreWithinTwelveMillimetresAndRotationsWithinSixDegree
   EXPECT_GT(scores.swaps.exchanged_samples, 100);
   EXPECT_GT(scores.swaps.corrected, 0.85 * scores.swaps.exchanged_samples);
   EXPECT_LT(scores.swaps.mistaken, 0.02 * scores.swaps.exchanged_samples);
+}
+
+TEST(StudioAccuracy, NoiseAloneContradictsNoBody) {
+  StudioClipErrors noise;
+  noise.swapped_frames = 0.0;
+  noise.tracker.dropout_share = noise.tracker.outlier_share = noise.tracker.swap_share = 0.0;
+  EXPECT_EQ(FitStudio(8, noise).contradicted, 0.0);
 }
 
 }  // namespace
