@@ -178,33 +178,17 @@ Status FitFrames(const std::vector<FusedCloud>& clouds, const std::vector<double
 
   UncertainMotion uncertain(fit.motion);
   const double scale = BodyScale(*fit.motion.skeleton, fit.motion.bone_length);
-  const std::vector<double> error = BodyErrors(*fit.motion.skeleton, scale, rules);
   std::vector<double> low_coverage(clouds.size(), 0.0);  // m, of frames without rays
   std::vector<double> residual(clouds.size(), 0.0);      // m, root mean square
   std::vector<double> residuals;
-  const auto joints = static_cast<std::size_t>(fit.motion.joint_count());
   for (std::size_t i = 0; i < frames->size(); ++i) {
     const int f = (*frames)[i].frame;
     const auto at = static_cast<std::size_t>(f);
     const std::vector<CloudMatch> matches = MatchPoints(body, state, f, clouds[at], cloud_options.max_distance);
     for (const CloudMatch& match : matches) residuals.push_back(std::abs(match.distance));
     residual[at] = ResidualOf(matches);
-    const bool has_rays = rays.person[at] >= 0;
-    const double unseen = LowCoverageSigma(clouds[at], cloud_options, scale);
-    if (!has_rays) low_coverage[at] = unseen;
-    if (!cloud_options.uncertainty) continue;
-    std::vector<bool> shown;
-    std::vector<double> of_body = error;
-    const double factor = BodyErrorFactor(residual[at], rules);
-    for (std::size_t j = 0; j < joints; ++j) {
-      shown.push_back(fit.motion.state[at * joints + j] == JointState::kObserved);
-      of_body[j] *= factor;
-      if (!has_rays || !shown[j]) of_body[j] = std::hypot(of_body[j], unseen);
-    }
-    const std::vector<Vector3d> body_rotation =
-        BodyRotations(*fit.motion.skeleton, fit.motion.bone_length, of_body, rules);
-    if (rules.on(FittingRule::kUnobservedFactor)) WidenGaps(shown, smoothed->uncertainty[i], of_body);
-    uncertain.Set(f, smoothed->uncertainty[i], of_body, body_rotation);
+    if (rays.person[at] < 0) low_coverage[at] = LowCoverageSigma(clouds[at], cloud_options, scale);
+    if (cloud_options.uncertainty) uncertain.Set(f, smoothed->uncertainty[i], low_coverage[at]);
   }
   const Motion given = std::move(fit.motion);
   fit.motion = MotionOf(state, given.skeleton, given.rate);

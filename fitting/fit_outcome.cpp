@@ -324,6 +324,10 @@ StageOutcome OutcomeOfFit(const Clip& clip, const FitResult& fit, const FittingO
         MeasuresJson(MeasureJoints(skeleton, tracks.positions, tracks.confidence, tracks.time_s), skeleton);
   };
   if (fit.triangulated) measure_before(*fit.triangulated);
+  for (const Vector3d& joint : fit.other_pose) {
+    const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+    outcome.summary["other_pose_m"].push_back({rounded(joint.x()), rounded(joint.y()), rounded(joint.z())});
+  }
   if (fit.surface_weight) outcome.summary["surface_weight"] = std::round(*fit.surface_weight * 1e4) / 1e4;
   if (options.method == FitMethod::kJointTracks || options.method == FitMethod::kJointsAndClouds) {
     if (const auto tracks = TracksOfClip(clip, fit.motion.skeleton, options.other_joints)) measure_before(*tracks);

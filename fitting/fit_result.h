@@ -19,6 +19,9 @@ inline constexpr const char* kOutliersRejected = "outliers_rejected";
 /// joint's state in these frames is kInterpolated or kInferred; nothing else changes.
 inline constexpr const char* kSamplesContradicted = "samples_contradicted";
 
+/// Code of the finding of a fit to depth that another pose explains about as well; value: the other one's chance.
+inline constexpr const char* kAmbiguousPose = "ambiguous_pose";
+
 /// A fitted motion and its residuals. Lengths in metres.
 struct FitResult {
   Motion motion;              ///< with rotations, bone lengths, joints and states
@@ -41,6 +44,7 @@ struct FitResult {
   std::optional<SkeletonTracks> triangulated;  ///< its joints before the fit
   std::optional<DepthRigReport> depth_rig;     ///< of a fit to depth views
   std::optional<double> surface_weight;        ///< weight of depth points against joints; of a fit to both
+  std::vector<Vector3d> other_pose;            ///< (J) joints in the first frame, of kAmbiguousPose; else empty
   std::vector<Finding> findings;               ///< clip id left empty
 };
 

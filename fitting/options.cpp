@@ -253,8 +253,8 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
 
 StageDeclaration RigDeclaration() { return {"rig", 3, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration ProportionsDeclaration() { return {"proportions", 37, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration ProportionsDeclaration() { return {"proportions", 38, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 62, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 63, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -40,7 +40,7 @@ struct PriorValues {
 
   /// Joint tracks are noisy, and their limits are soft; points on a surface are many, and a trunk must not absorb the
   /// error of a capsule body.
-  static PriorValues OfTracks() { return {3.3, 0.5, 0.25, 0.55, 0.33, true}; }
+  static PriorValues OfTracks() { return {1.0, 0.5, 0.25, 0.55, 0.33, true}; }
   static PriorValues OfClouds() { return {1.0, 0.1, 0.0, 0.55, 0.33, false}; }
 };
 

@@ -1,8 +1,10 @@
 #include "fitting/clouds/capsule_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -17,6 +19,7 @@ constexpr double kRise = 1e-3;     ///< of the cost, that a new matching may bri
 constexpr int kSigmaRounds = 2;    ///< of a sigma that is measured: at the start and at the minimum (numerical)
 constexpr int kWideMatchings = 4;  ///< matchings with a widened distance limit (numerical)
 constexpr int kSolverSteps = 4;    ///< steps between two matchings (numerical)
+constexpr double kPatch = 0.15;    ///< m; edge of a patch whose points share their errors
 constexpr double kRelativeTolerance = 1e-4;  ///< relative change of the cost that ends a solve (numerical)
 
 std::vector<Vector3d> JointsOfState(const PoseState& state, int frame) {
@@ -109,6 +112,30 @@ double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const Pose
   const std::vector<CloudMatch> matches = MatchPoints(body, state, frame, cloud, max_distance);
   for (const CloudMatch& match : matches) sum += std::abs(match.distance);
   return (sum + max_distance * (cloud.size() - static_cast<double>(matches.size()))) / cloud.size();
+}
+
+std::vector<double> PointCosts(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                               const PoseState& state, const PointCloudOptions& options) {
+  const double share = fit.point_weight * PatchShare(options), weight = share / fit.sigma;
+  const double huber = share * options.huber_sigmas;
+  std::vector<double> costs(static_cast<std::size_t>(cloud.size()),
+                            0.5 * HuberValue(Square(weight * options.max_distance), huber));
+  for (const CloudMatch& match : MatchPoints(body, state, fit.frame, cloud, options.max_distance))
+    costs[static_cast<std::size_t>(match.point)] = 0.5 * HuberValue(Square(weight * match.distance), huber);
+  return costs;
+}
+
+CostDifference Compare(const FusedCloud& cloud, const std::vector<double>& costs, const std::vector<double>& other) {
+  std::map<std::array<int, 3>, double> patches;
+  for (int i = 0; i < cloud.size(); ++i) {
+    const Eigen::Array3i patch = (cloud.points.col(i).array() / kPatch).floor().cast<int>();
+    const auto at = static_cast<std::size_t>(i);
+    patches[{patch[0], patch[1], patch[2]}] += costs[at] - other[at];
+  }
+  CostDifference difference;
+  for (const auto& [patch, more] : patches) difference += {more, more * more};
+  difference.variance -= Square(difference.sum) / std::max(1.0, static_cast<double>(patches.size()));
+  return difference;
 }
 
 }  // namespace mocurate

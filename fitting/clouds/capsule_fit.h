@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -78,5 +79,24 @@ double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const Pose
 /// sigma must be given. Needs Update.
 double PoseCost(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit, PoseState& state,
                 const PointCloudOptions& options);
+
+/// (N) The part of PoseCost of each point. Needs Update.
+std::vector<double> PointCosts(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                               const PoseState& state, const PointCloudOptions& options);
+
+/// Difference of the costs of two poses, and its variance. Errors of neighbouring points are common, so that it is the
+/// sum of the differences of patches of 15 cm, whose variance is theirs (Vuong 1989, models that are not nested).
+struct CostDifference {
+  double sum = 0.0;
+  double variance = 0.0;
+
+  double sigma() const { return std::sqrt(variance); }
+  CostDifference& operator+=(const CostDifference& other) {
+    sum += other.sum, variance += other.variance;
+    return *this;
+  }
+};
+/// `costs` less `other`, both of the points of `cloud`.
+CostDifference Compare(const FusedCloud& cloud, const std::vector<double>& costs, const std::vector<double>& other);
 
 }  // namespace mocurate

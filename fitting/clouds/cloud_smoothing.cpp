@@ -63,7 +63,7 @@ class ChainPart {
   }
 
   /// Uncertainty of the frames [from, to) of the part, in order, at the present poses.
-  Status Uncertainty(std::size_t from, std::size_t to, CloudUncertainty* out) {
+  Status Uncertainty(std::size_t from, std::size_t to, PosePosterior* out) {
     const OneThread one_thread;
     PoseEquations pose(state_);
     equations_.Resize(static_cast<int>(terms_.frames.size()), pose.columns().size());
@@ -74,11 +74,16 @@ class ChainPart {
           "frames " + std::to_string(terms_.frames.front().frame) + " to " + std::to_string(terms_.frames.back().frame),
           "check that the views show a person, and check their calibration");
     }
+    const Skeleton& skeleton = *terms_.body->skeleton;
+    const BodyDeviations deviations =
+        DeviationsInClouds(skeleton, BodyScale(skeleton, state_.bone_lengths()), 1.0, options_.rules);
+    const std::vector<Vector3d> prior = PriorInClouds(skeleton, options_);
     equations_.VisitInverse([&](int i, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd&) {
       const auto at = static_cast<std::size_t>(i);
       if (at < from || at >= to) return;
-      out[at - from] = UncertaintyOfCovariance(pose.columns(), *terms_.body->skeleton, terms_.frames[at].frame,
-                                               covariance, state_, options_);
+      const double residual = ResidualOf(terms_.frames[at].surface.matches);
+      out[at - from] = PosteriorOf(pose.columns(), state_, terms_.frames[at].frame, covariance, prior);
+      Add(BodyResponse(terms_, state_, i, deviations.Times(BodyErrorFactor(residual, options_.rules))), out[at - from]);
     });
     return {};
   }
@@ -139,7 +144,7 @@ class ChainPart {
 Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
                                     const std::vector<FrameFit>& chain, const std::vector<double>& time_s,
                                     const PointCloudOptions& options, PoseState& state) {
-  SmoothedChain smoothed{std::vector<CloudUncertainty>(chain.size())};
+  SmoothedChain smoothed{std::vector<PosePosterior>(chain.size())};
   for (std::size_t begin = 0; begin < chain.size(); begin += kPart) {
     const std::size_t end = std::min(chain.size(), begin + kPart);
     const std::size_t first = begin - std::min(begin, kContext);

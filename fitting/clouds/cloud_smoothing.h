@@ -13,19 +13,19 @@ inline constexpr const char* kUnsettledChain =
 
 /// Result of a chain.
 struct SmoothedChain {
-  std::vector<CloudUncertainty> uncertainty;  ///< of each of its frames; empty ones without options.uncertainty
-  bool settled = true;                        ///< the joints of all frames, before the matchings ended
-  double initial_cost = 0.0;                  ///< of all parts
-  double final_cost = 0.0;                    ///< at the last matching that was solved
+  std::vector<PosePosterior> uncertainty;  ///< of each of its frames; empty ones without options.uncertainty
+  bool settled = true;                     ///< the joints of all frames, before the matchings ended
+  double initial_cost = 0.0;               ///< of all parts
+  double final_cost = 0.0;                 ///< at the last matching that was solved
 };
 
 /// Fits the frames of a chain together from the poses in the state: the terms of each frame (`held` and `widening` are
 /// not used), and process noise between neighbours at most 0.4 s apart. The standard deviation that weighs a frame's
 /// points is that of the first matching. Points are matched anew after each step that lowers the cost, until the joints
 /// settle. Writes the poses to the state. Uncertainty is from the same equations (selected inversion): that
-/// of a smoother, no frame is taken as known. `chain` ascends in frames; `time_s` (F). Memory is bounded by parts of
-/// 300 frames, fitted with 30 frames on either side. Does not include the difference between body and person
-/// (BodyErrors). Error kInconsistent if the points do not determine a pose.
+/// of a smoother, no frame is taken as known, and includes what a body that is not the person's does. `chain` ascends
+/// in frames; `time_s` (F). Memory is bounded by parts of 300 frames, fitted with 30 frames on either side. Error
+/// kInconsistent if the points do not determine a pose.
 Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
                                     const std::vector<FrameFit>& chain, const std::vector<double>& time_s,
                                     const PointCloudOptions& options, PoseState& state);

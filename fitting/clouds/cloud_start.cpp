@@ -18,12 +18,18 @@ constexpr int kHeadings = 8;
 /// rad relative to a given facing: initial headings (numerical).
 constexpr std::array<double, 4> kAboutTheFacing = {-0.6, -0.2, 0.2, 0.6};
 constexpr double kFacingError = 1.4;  ///< rad; larger deviations from the given facing contradict it
-constexpr double kTaller = 1.35;      ///< ratio of the heights of stance and points, above which a part is hidden
+/// share; horizontal part of the front of the pelvis, from which it has a heading (numerical).
+constexpr double kHasHeading = 0.5;
+constexpr double kTaller = 1.35;  ///< ratio of the heights of stance and points, above which a part is hidden
 /// Factor on the distance limit of the matches (numerical).
 constexpr double kWidening = 2.0;
+constexpr std::size_t kRanked =
+    96;  ///< (half with a facing) starts that are fitted: the nearest to the points (numerical)
+constexpr int kRankedPoints = 150;     ///< points to rank them by (numerical)
+constexpr double kRankedReach = 0.4;   ///< m, cap on the distance of a point (numerical)
 constexpr std::size_t kFinalists = 6;  ///< starts that the last round refines, at most (numerical)
-constexpr double kSameHeading = 0.6;   ///< rad; finalists differ by more, or started with other legs
-constexpr double kOtherHeading = 1.6;  ///< rad; from here the opposite direction
+constexpr double kHopeful = 1.5;       ///< factor on the least cost, up to which limbs are searched
+constexpr double kOtherTurn = 1.6;     ///< rad; from here the pelvis is turned around, or over
 
 /// Rounds of the search: points and matchings per start, and the share of starts that continues.
 struct Round {
@@ -34,39 +40,66 @@ struct Round {
 /// Rounds of the search: points, matchings per start, share of the starts that continues (numerical).
 constexpr std::array<Round, 2> kStartRounds = {{{300, 6, 0.4}, {600, 15, 1.0}}};
 
-enum class Legs { kStanding, kLeftStep, kRightStep, kSquatting, kSeated };
 enum class Arms { kDown, kOut, kUp, kForward };
 
+/// Legs and hips of a stance, rad, and where its trunk points before it is turned about the vertical.
 struct Stance {
-  Legs legs;
-  Arms arms;
+  Vector3d root = Vector3d::Zero();  ///< rotation vector of the pelvis
+  double hip = 0.0;                  ///< bend, negative: thighs forwards
+  double knee = 0.0;                 ///< bend
+  double spread = 0.0;               ///< of the thighs, sideways
+  double step = 0.0;                 ///< left thigh ahead, right one behind
+  Arms arms = Arms::kDown;
+  bool stands = true;  ///< on its feet, trunk upright
+  bool sits = false;   ///< on a chair
 };
-/// Stances of the first pose, each tried in every heading (numerical).
-constexpr std::array<Stance, 12> kStances = {{{Legs::kStanding, Arms::kDown},
-                                              {Legs::kStanding, Arms::kOut},
-                                              {Legs::kStanding, Arms::kUp},
-                                              {Legs::kStanding, Arms::kForward},
-                                              {Legs::kLeftStep, Arms::kDown},
-                                              {Legs::kRightStep, Arms::kDown},
-                                              {Legs::kSquatting, Arms::kDown},
-                                              {Legs::kSquatting, Arms::kForward},
-                                              {Legs::kSeated, Arms::kDown},
-                                              {Legs::kSeated, Arms::kForward},
-                                              {Legs::kSeated, Arms::kOut},
-                                              {Legs::kSeated, Arms::kUp}}};
 
-void BendLegs(const Skeleton& skeleton, Legs legs, int frame, PoseState& state) {
+/// Stances of the first pose, each tried in every heading (numerical): on the feet, on a chair, bent over, on knees,
+/// hands or the floor, lying on each side, and upside down.
+const std::vector<Stance>& Stances() {
+  static const std::vector<Stance> stances = [] {
+    std::vector<Stance> all;
+    const auto add = [&](Stance stance, std::initializer_list<Arms> arms) {
+      for (const Arms of : arms) stance.arms = of, all.push_back(stance);
+    };
+    const Vector3d x = Vector3d::UnitX(), z = Vector3d::UnitZ();
+    const double over = 0.5 * kPi;
+    const auto down = Arms::kDown, out = Arms::kOut, up = Arms::kUp, forward = Arms::kForward;
+    add({}, {down, out, up, forward});
+    add({Vector3d::Zero(), 0.0, 0.3, 0.0, 0.35}, {down});
+    add({Vector3d::Zero(), 0.0, 0.3, 0.0, -0.35}, {down});
+    add({Vector3d::Zero(), -1.2, 1.6}, {down, forward});                                         // squatting
+    add({Vector3d::Zero(), -1.45, 1.4, 0.0, 0.0, down, false, true}, {down, forward, out, up});  // on a chair
+    add({0.4 * x, -2.0, 2.3, 0.2, 0.0, down, false}, {forward, down});                           // crouching
+    add({Vector3d::Zero(), 0.0, 1.5, 0.0, 0.0, down, false}, {down, forward});                   // kneeling
+    add({Vector3d::Zero(), -0.9, 1.6, 0.0, 0.8, down, false}, {down});                           // on one knee
+    add({Vector3d::Zero(), -0.9, 1.6, 0.0, -0.8, down, false}, {down});
+    add({Vector3d::Zero(), -1.4, 0.1, 0.1, 0.0, down, false}, {down, forward});  // legs stretched out
+    add({Vector3d::Zero(), -1.4, 2.0, 0.9, 0.0, down, false}, {down});           // cross-legged
+    add({0.9 * x, -0.9, 0.1, 0.0, 0.0, down, false}, {down, forward});           // bent over
+    add({over * x, -over, 0.1, 0.0, 0.0, down, false}, {down, forward});
+    add({over * x, -over, 1.5, 0.0, 0.0, down, false}, {forward});                         // on all fours
+    for (const Vector3d& side : {Vector3d(-x), Vector3d(x), Vector3d(-z), Vector3d(z)}) {  // lying
+      add({over * side, 0.0, 0.1, 0.0, 0.0, down, false}, {down, out});
+      add({over * side, -0.8, 1.0, 0.0, 0.0, down, false}, {forward});
+    }
+    add({kPi * z, 0.0, 0.1, 0.0, 0.0, down, false}, {up});  // on the hands
+    return all;
+  }();
+  return stances;
+}
+
+void BendLegs(const Skeleton& skeleton, const Stance& stance, int frame, PoseState& state) {
   const auto hips = LegsOfBody(skeleton);
-  if (!hips || legs == Legs::kStanding) return;
+  if (!hips) return;
   const auto children = skeleton.Children();
   for (const int side : {0, 1}) {
-    const bool ahead = (legs == Legs::kLeftStep) == (side == 0);
-    const double hip = legs == Legs::kSeated ? -1.45 : legs == Legs::kSquatting ? -1.2 : ahead ? -0.4 : 0.3;
-    const double knee = legs == Legs::kSeated ? 1.4 : legs == Legs::kSquatting ? 1.6 : 0.3;
+    const double sign = side == 0 ? 1.0 : -1.0;
     const int lower = OnlyChild(children, (*hips)[side]);
     if (lower < 0) continue;
-    state.rotation(frame, (*hips)[side])[0] = hip;
-    if (state.active(lower)) state.rotation(frame, lower)[0] = knee;
+    state.rotation(frame, (*hips)[side])[0] = stance.hip - sign * stance.step;
+    state.rotation(frame, (*hips)[side])[2] = sign * stance.spread;
+    if (state.active(lower)) state.rotation(frame, lower)[0] = stance.knee;
   }
 }
 
@@ -102,8 +135,9 @@ void SetStance(const CapsuleBody& body, const FusedCloud& cloud, int frame, doub
                PoseState& state) {
   std::fill(state.translation(frame), state.rotation(frame, 0), 0.0);
   for (int j = 0; j < state.joints(); ++j) Eigen::Map<Vector3d>(state.rotation(frame, j)).setZero();
-  state.rotation(frame, 0)[1] = heading;
-  BendLegs(*body.skeleton, stance.legs, frame, state);
+  const Quaterniond root = ExpQuaternion(heading * Vector3d::UnitY()) * ExpQuaternion(stance.root);
+  Eigen::Map<Vector3d>(state.rotation(frame, 0)) = LogQuaternion(root);
+  BendLegs(*body.skeleton, stance, frame, state);
   SwingArms(*body.skeleton, stance.arms, frame, state);
   state.Update(frame, frame + 1, false);
   const HeightSpan of_body = HeightOf(body, state, frame);
@@ -114,27 +148,33 @@ void SetStance(const CapsuleBody& body, const FusedCloud& cloud, int frame, doub
                         ? of_cloud.high - of_body.high
                         : 0.5 * (of_cloud.low + of_cloud.high - of_body.low - of_body.high);
   Eigen::Map<Vector3d>(state.translation(frame)) = Vector3d(across.x(), up, across.z());
+  state.Update(frame, frame + 1, false);
 }
 
 struct Candidate {
   bool contradicts = false;  ///< the given facing
   double cost = 0.0;
-  double heading = 0.0;
-  Legs legs = Legs::kStanding;
-  std::vector<double> parameters;
+  std::vector<double> parameters{};
+  std::vector<Vector3d> joints{};
+  Matrix3d root = Matrix3d::Identity();
 };
 
-Status RefineCandidate(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
-                       const PointCloudOptions& options, PoseState& state, Candidate& candidate) {
-  const auto fitted = FitCloudFrame(body, cloud, fit, state, options);
-  if (!fitted) return Forward(fitted);
-  candidate.cost = PoseCost(body, cloud, fit, state, options);
-  candidate.heading = HeadingOf(state, fit.frame);
-  candidate.parameters = state.FrameParameters(fit.frame);
-  return {};
+/// Of the pose in the state, up to date.
+Candidate CandidateOf(const PoseState& state, int frame, double cost, const std::optional<double>& facing) {
+  Candidate candidate{false, cost, state.FrameParameters(frame), {}, state.global(frame, 0)};
+  for (int j = 0; j < state.joints(); ++j) candidate.joints.push_back(state.position(frame, j));
+  const Vector3d front = candidate.root.col(2);
+  if (facing && std::hypot(front.x(), front.z()) > kHasHeading)
+    candidate.contradicts = std::abs(std::remainder(HeadingOf(state, frame) - *facing, 2.0 * kPi)) > kFacingError;
+  return candidate;
 }
 
-double HeadingsApart(double heading, double other) { return std::abs(std::remainder(heading - other, 2.0 * kPi)); }
+/// Mean distance of the joints, m.
+double JointsApart(const Candidate& a, const Candidate& b) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < a.joints.size(); ++j) sum += (a.joints[j] - b.joints[j]).norm();
+  return sum / static_cast<double>(a.joints.size());
+}
 
 void SortByCost(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -142,56 +182,71 @@ void SortByCost(std::vector<Candidate>& candidates) {
   });
 }
 
-/// The best of the sorted candidates from `begin` on that faces away from the first of all; null where that contradicts
-/// the given facing.
-const Candidate* BestFacingAway(const std::vector<Candidate>& candidates, std::size_t begin) {
-  for (std::size_t i = begin; i < candidates.size(); ++i) {
-    if (HeadingsApart(candidates[i].heading, candidates[0].heading) < kOtherHeading) continue;
-    return candidates[i].contradicts ? nullptr : &candidates[i];
-  }
-  return nullptr;
+/// Appends the best candidate that is turned around or over, unless `chosen` has one: they are compared after a full
+/// fit.
+void AddTurned(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
+  const auto turned = [&](const Candidate& candidate) {
+    return AngleBetween(Quaterniond(candidate.root), Quaterniond(candidates[0].root)) >= kOtherTurn;
+  };
+  if (std::any_of(chosen.begin(), chosen.end(), turned)) return;
+  const auto other = std::find_if(candidates.begin(), candidates.end(), turned);
+  if (other != candidates.end()) chosen.push_back(*other);
 }
 
-/// Appends the best candidate that faces away, unless `chosen` has one: front and back are compared after a full fit.
-void AddFacingAway(const std::vector<Candidate>& candidates, std::vector<Candidate>& chosen) {
-  if (BestFacingAway(chosen, 1) != nullptr) return;
-  if (const Candidate* other = BestFacingAway(candidates, 1)) chosen.push_back(*other);
-}
-
-/// The cheapest candidates that face in different directions or started with other legs; one faces away if any does.
-std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates) {
+/// The cheapest candidates that are distinct; one is turned if any is.
+std::vector<Candidate> Finalists(const std::vector<Candidate>& candidates, std::size_t most) {
   std::vector<Candidate> finalists;
   for (const Candidate& candidate : candidates) {
     const bool is_new = std::none_of(finalists.begin(), finalists.end(), [&](const Candidate& other) {
-      return candidate.legs == other.legs && HeadingsApart(candidate.heading, other.heading) < kSameHeading;
+      return JointsApart(candidate, other) < kDistinctPose;
     });
-    if (is_new && finalists.size() < kFinalists) finalists.push_back(candidate);
+    if (is_new && finalists.size() < most) finalists.push_back(candidate);
   }
-  AddFacingAway(candidates, finalists);
+  AddTurned(candidates, finalists);
   return finalists;
 }
 
+/// The pose with left and right exchanged: turned about the trunk, each limb where the other one was.
+void Exchange(const Skeleton& skeleton, const std::vector<double>& pose, int frame, PoseState& state) {
+  state.SetFrameParameters(frame, pose);
+  const PoseState given = state;
+  const Vector3d signs(-1.0, 1.0, -1.0);  // half a turn about y
+  for (int j = 1; j < state.joints(); ++j) {
+    const int mirror = skeleton.joints[static_cast<std::size_t>(j)].mirror;
+    Eigen::Map<Vector3d>(state.rotation(frame, j)) =
+        signs.cwiseProduct(Eigen::Map<const Vector3d>(given.rotation(frame, mirror)));
+  }
+  const Quaterniond root = ExpQuaternion(Eigen::Map<const Vector3d>(given.rotation(frame, 0)));
+  Eigen::Map<Vector3d>(state.rotation(frame, 0)) = LogQuaternion(root * ExpQuaternion(kPi * Vector3d::UnitY()));
+  state.Update(frame, frame + 1, false);
+}
+
 bool IsWanted(const Stance& stance, StartPosture posture) {
-  if (posture == StartPosture::kSeated) return stance.legs == Legs::kSeated;
-  if (posture == StartPosture::kStanding) return stance.legs != Legs::kSeated && stance.legs != Legs::kSquatting;
+  if (posture == StartPosture::kSeated) return stance.sits;
+  if (posture == StartPosture::kStanding) return stance.stands && stance.hip == 0.0;
   return true;
 }
 
+/// Starts nearest to the points.
 std::vector<Candidate> Starts(const CapsuleBody& body, const FusedCloud& cloud, int frame,
-                              const CloudStartOptions& options, PoseState& state) {
-  std::vector<double> headings;
-  for (int h = 0; !options.facing && h < kHeadings; ++h) headings.push_back(2.0 * kPi * h / kHeadings);
-  for (const double off : kAboutTheFacing) {
-    if (options.facing) headings.push_back(*options.facing + off);
-  }
+                              const CloudStartOptions& options, StartSearch search, PoseState& state) {
+  const FusedCloud few = CoarseCloud(cloud, kRankedPoints);
   std::vector<Candidate> starts;
-  for (const double heading : headings) {
-    for (const Stance& stance : kStances) {
-      if (!IsWanted(stance, options.posture)) continue;
+  for (const Stance& stance : Stances()) {
+    const bool upright = stance.stands || stance.sits;
+    if (!IsWanted(stance, options.posture) || (search == StartSearch::kStances && !upright)) continue;
+    const bool given = options.facing && (ExpQuaternion(stance.root) * Vector3d::UnitZ()).z() > kHasHeading;
+    const std::size_t headings = given ? kAboutTheFacing.size() : kHeadings;
+    for (std::size_t h = 0; h < headings; ++h) {
+      const double heading =
+          given ? *options.facing + kAboutTheFacing[h] : 2.0 * kPi * static_cast<double>(h) / kHeadings;
       SetStance(body, cloud, frame, heading, stance, state);
-      starts.push_back({false, 0.0, heading, stance.legs, state.FrameParameters(frame)});
+      starts.push_back(CandidateOf(state, frame, MeanDistance(body, few, state, frame, kRankedReach), {}));
     }
   }
+  SortByCost(starts);
+  const std::size_t most = options.facing ? kRanked / 2 : kRanked;
+  if (starts.size() > most) starts.resize(most);
   return starts;
 }
 
@@ -222,49 +277,58 @@ HeightSpan HeightOf(const CapsuleBody& body, const PoseState& state, int frame) 
 
 Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search) {
-  std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, state);
-  const auto contradicts = [&](double heading) {
-    return options.start.facing && HeadingsApart(heading, *options.start.facing) > kFacingError;
-  };
-  const auto refine = [&](const FusedCloud& points, const FrameFit& fit) -> Status {
-    for (Candidate& candidate : candidates) {
-      state.SetFrameParameters(frame, candidate.parameters);
-      if (Status fitted = RefineCandidate(body, points, fit, options, state, candidate); !fitted) return fitted;
-      candidate.contradicts = contradicts(candidate.heading);
+  std::vector<Candidate> candidates = Starts(body, cloud, frame, options.start, search, state);
+  const auto refine = [&](const FusedCloud& points, const FrameFit& fit, std::size_t begin) -> Status {
+    for (std::size_t i = begin; i < candidates.size(); ++i) {
+      state.SetFrameParameters(frame, candidates[i].parameters);
+      if (const auto fitted = FitCloudFrame(body, points, fit, state, options); !fitted) return Forward(fitted);
+      candidates[i] = CandidateOf(state, frame, PoseCost(body, points, fit, state, options), options.start.facing);
     }
     SortByCost(candidates);
     return {};
   };
   for (const Round& round : kStartRounds) {
     const FrameFit fit = ComparedFit(frame, round.matchings, kWidening);
-    if (Status refined = refine(CoarseCloud(cloud, round.points), fit); !refined) return Forward(refined);
+    if (Status refined = refine(CoarseCloud(cloud, round.points), fit, 0); !refined) return Forward(refined);
     const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(round.kept * candidates.size())));
     std::vector<Candidate> best(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(kept));
-    AddFacingAway(candidates, best);
+    AddTurned(candidates, best);
     candidates = std::move(best);
   }
-  candidates = Finalists(candidates);
+  candidates = Finalists(candidates, kFinalists);
   const FrameFit fit = ComparedFit(frame, options.iterations);
-  if (Status refined = refine(cloud, fit); !refined) return Forward(refined);
+  if (Status refined = refine(cloud, fit, 0); !refined) return Forward(refined);
   if (search == StartSearch::kStancesAndLimbs) {
-    const std::size_t count = options.start.facing ? 1 : candidates.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      state.SetFrameParameters(frame, candidates[i].parameters);
+    Exchange(*body.skeleton, candidates[0].parameters, frame, state);
+    candidates.push_back(CandidateOf(state, frame, 0.0, {}));
+    if (Status refined = refine(cloud, fit, candidates.size() - 1); !refined) return Forward(refined);
+    candidates = Finalists(candidates, kFinalists);
+    const double hopeful = kHopeful * candidates[0].cost;
+    for (Candidate& candidate : candidates) {
+      if (candidate.cost > hopeful || (candidate.contradicts && !candidates[0].contradicts)) continue;
+      state.SetFrameParameters(frame, candidate.parameters);
       const Expected<double> cost = SearchLimbs(body, cloud, frame, options, state);
       if (!cost) return Forward(cost);
-      candidates[i].cost = *cost;
-      candidates[i].heading = HeadingOf(state, frame);
-      candidates[i].contradicts = contradicts(candidates[i].heading);
-      candidates[i].parameters = state.FrameParameters(frame);
+      candidate = CandidateOf(state, frame, *cost, options.start.facing);
     }
     SortByCost(candidates);
   }
-  CloudStart start{candidates.size(), candidates[0].cost, std::nullopt, std::nullopt};
-  if (candidates[0].contradicts) start.off_facing = HeadingsApart(candidates[0].heading, *options.start.facing);
-  if (const Candidate* other = BestFacingAway(candidates, 1)) {
-    start.margin = (other->cost - candidates[0].cost) / candidates[0].cost;
+  const Candidate& best = candidates[0];
+  CloudStart start{best.cost};
+  state.SetFrameParameters(frame, best.parameters);
+  state.Update(frame, frame + 1, false);
+  if (best.contradicts)
+    start.off_facing = std::abs(std::remainder(HeadingOf(state, frame) - *options.start.facing, 2.0 * kPi));
+  if (search == StartSearch::kStances) return start;
+  const std::vector<double> costs = PointCosts(body, cloud, fit, state, options);
+  for (std::size_t i = 1; i < candidates.size(); ++i) {
+    if (candidates[i].contradicts || JointsApart(candidates[i], best) < kDistinctPose) continue;
+    state.SetFrameParameters(frame, candidates[i].parameters);
+    state.Update(frame, frame + 1, false);
+    const CostDifference more = Compare(cloud, PointCosts(body, cloud, fit, state, options), costs);
+    if (more.sum < kClearlyWorse * more.sigma()) start.others.push_back(candidates[i].parameters);
   }
-  state.SetFrameParameters(frame, candidates[0].parameters);
+  state.SetFrameParameters(frame, best.parameters);
   state.Update(frame, frame + 1, false);
   return start;
 }

@@ -19,15 +19,21 @@ struct HeightSpan {
 HeightSpan HeightOf(const Eigen::Matrix3Xd& points);
 HeightSpan HeightOf(const CapsuleBody& body, const PoseState& state, int frame);
 
+/// m, mean distance of the joints from which two poses are two: below, one pose fits both about as well.
+inline constexpr double kDistinctPose = 0.06;
+/// Standard deviations of the difference of two costs, up to which the costlier pose may be the right one. Of 144 hard
+/// stills the costs of wrong poses were up to 1.8 below those of the right ones with two and more views. Source:
+/// bench_hard_stills 2 501 noise=1 body=known
+inline constexpr double kClearlyWorse = 1.9;
+
 /// Result of the search for a first pose.
 struct CloudStart {
-  std::size_t finalists = 0;
   double cost = 0.0;
-  /// Relative cost increase of the cheapest pose that faces away. Empty when all starts that were fitted to all points
-  /// face about the same way, or contradict the given facing.
-  std::optional<double> margin;
   /// Radians between the pose and the given facing, where every start contradicts it.
-  std::optional<double> off_facing;
+  std::optional<double> off_facing{};
+  /// Other poses (PoseState::FrameParameters) that explain the points about as well (kClearlyWorse), best first. Only
+  /// of kStancesAndLimbs.
+  std::vector<std::vector<double>> others{};
 };
 
 /// Heading of the pose in the state, rad about y; 0 faces +z. Needs Update.
@@ -35,15 +41,15 @@ double HeadingOf(const PoseState& state, int frame);
 
 /// Extent of a search for a first pose.
 enum class StartSearch {
-  kStances,         ///< fits from stances only
-  kStancesAndLimbs  ///< then searches arms and legs one by one (SearchLimbs)
+  kStances,         ///< upright stances only, for sizes: a larger body that is bent explains the same points
+  kStancesAndLimbs  ///< all stances, then arms and legs one by one (SearchLimbs)
 };
 
-/// Searches the pose of a frame for which only `options.start` is known; writes it to the state. Fits start from a
-/// dozen stances (standing, stepping, squatting, seated; several arm positions) in all directions, or near the given
-/// facing. They are fitted to few points first; the best continue, the best few are fitted to all points, and the
-/// cheapest wins. Limbs are searched in all of those, or with a given facing only in the cheapest. Errors of
-/// FitCloudFrame.
+/// Searches the pose of a frame for which only `options.start` is known; writes it to the state. Fits start from some
+/// thirty stances (standing, stepping, squatting, seated, bent over, kneeling, on the floor, lying on each side, upside
+/// down; several arm positions) in all directions, or near the given facing where the stance has one. Those nearest to
+/// the points are fitted to few points first; the best continue, the best distinct ones are fitted to all points, with
+/// the best one's left and right exchanged, and limbs are searched in each. The cheapest wins. Errors of FitCloudFrame.
 Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud, int frame,
                                const PointCloudOptions& options, PoseState& state, StartSearch search);
 

@@ -310,7 +310,7 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
 
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
                                  const std::vector<double>& bone_length, const std::vector<double>& time_s,
-                                 const PointCloudOptions& options) {
+                                 const PointCloudOptions& options, const std::vector<double>* first_pose) {
   const auto frames = static_cast<int>(clouds.size());
   int first = 0;
   while (first < frames && clouds[first].size() < kFewestPoints) ++first;
@@ -321,10 +321,13 @@ Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonP
   CapsuleBody body = CapsuleBody::Make(skeleton, BodyScale(*skeleton, bone_length));
   PoseState state(*skeleton, frames, bone_length, body.MovingJoints());
   CloudTrack track{std::move(clouds), std::move(body), std::move(state), std::vector<CapsuleFitOutcome>(frames), {}};
-  const auto start =
-      FindStart(track.body, track.clouds[first], first, options, track.state, StartSearch::kStancesAndLimbs);
-  if (!start) return Forward(start);
-  track.start = *start;
+  if (first_pose != nullptr) {
+    track.state.SetFrameParameters(first, *first_pose);
+  } else {
+    auto start = FindStart(track.body, track.clouds[first], first, options, track.state, StartSearch::kStancesAndLimbs);
+    if (!start) return Forward(start);
+    track.start = *std::move(start);
+  }
   if (Status measured = MeasureRadii(first, options, track); !measured) return Forward(measured);
   if (Status followed = Follow(first, time_s, options, track); !followed) return Forward(followed);
   if (Status looked = RefitPoorFrames(time_s, options, track); !looked) return Forward(looked);

@@ -34,10 +34,11 @@ inline int FrameOfFew(int i, int count, int available) {
 
 /// Searches the first pose from several starts, estimates the radii there, then tracks frame after frame; after 0.4 s
 /// without points it searches again. Frames with a high cost are fitted again from their neighbours, and at three times
-/// the median cost the pose is searched anew. Bones (J, metres) are fixed; `time_s` (F) increases. Error kInconsistent
-/// when no frame has points.
+/// the median cost the pose is searched anew. Bones (J, metres) are fixed; `time_s` (F) increases. `first_pose`
+/// (PoseState::FrameParameters): of the first frame with points, instead of a search. Error kInconsistent when no frame
+/// has points.
 Expected<CloudTrack> TrackClouds(std::vector<FusedCloud> clouds, const SkeletonPtr& skeleton,
                                  const std::vector<double>& bone_length, const std::vector<double>& time_s,
-                                 const PointCloudOptions& options);
+                                 const PointCloudOptions& options, const std::vector<double>* first_pose = nullptr);
 
 }  // namespace mocurate

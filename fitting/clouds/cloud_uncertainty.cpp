@@ -18,33 +18,37 @@
 #include "fitting/solver/rest_sigmas.h"
 #include "fitting/terms/huber.h"
 #include "fitting/uncertainty/body_sigma.h"
-#include "fitting/uncertainty/frame_covariances.h"
+#include "fitting/uncertainty/calibration.h"
 
 namespace mocurate {
-CloudUncertainty UncertaintyOfCovariance(const PoseColumns& columns, const Skeleton& skeleton, int frame,
-                                         const Eigen::MatrixXd& covariance, const PoseState& state,
-                                         const PointCloudOptions& options) {
-  const std::vector<double> rest = RestPoseSigmas(skeleton, options.priors.rest);
-  const TwistPropagation twists(state, columns, frame);
-  const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
-  CloudUncertainty uncertainty;
-  for (int j = 0; j < state.joints(); ++j) {
-    const Matrix36d derivative = twists.PositionDerivative(j);
-    uncertainty.position.emplace_back(derivative * carrier[static_cast<std::size_t>(j)] * derivative.transpose());
-    const double prior = j == 0 ? kUnknownAngle : std::min(rest[j] * rest[j], kUnknownAngle);
-    Vector3d variance = Vector3d::Constant(prior);
-    if (const int column = columns.of(j); column >= 0) {
-      const Matrix3d& jacobian = state.right_jacobian(frame, j);
-      variance = (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
-    }
-    uncertainty.prior.push_back(prior);
-    uncertainty.rotation.emplace_back(variance.cwiseMin(prior));
-  }
-  return uncertainty;
+namespace {
+
+constexpr double kRadiusShare = 2.0 / 3.0;  ///< of kCapsuleSigma: deviation of a radius
+
+}  // namespace
+
+BodyDeviations DeviationsInClouds(const Skeleton& skeleton, double scale, double bones, const Rules& rules) {
+  BodyDeviations deviations{std::vector<double>(skeleton.joints.size(), 0.0)};
+  if (!rules.on(FittingRule::kBodyErrors)) return deviations;
+  if (skeleton.shape == BodyShape{} && rules.on(FittingRule::kUnknownShape)) scale *= kUnknownShape;
+  for (int j = 1; j < skeleton.joint_count(); ++j)
+    deviations.bone[static_cast<std::size_t>(j)] = bones * scale * SpreadOfBone(skeleton, j);
+  deviations.capsule_end = scale * kCapsuleSigma;
+  deviations.capsule_radius = kRadiusShare * scale * kCapsuleSigma;
+  return deviations;
 }
 
-Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
-                                              double sigma, PoseState& state, const PointCloudOptions& options) {
+std::vector<Vector3d> PriorInClouds(const Skeleton& skeleton, const PointCloudOptions& options) {
+  std::vector<Vector3d> prior;
+  for (const double sigma : RestPoseSigmas(skeleton, options.priors.rest))
+    prior.emplace_back(Vector3d::Constant(std::min(Square(sigma), kUnknownAngle)));
+  prior.front().setConstant(kUnknownAngle);
+  return prior;
+}
+
+Expected<PosePosterior> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                           double sigma, const BodyDeviations& deviations, PoseState& state,
+                                           const PointCloudOptions& options) {
   const OneThread one_thread;
   state.Update(fit.frame, fit.frame + 1, true);
   PoseTerms terms = CloudTerms(body, options);
@@ -58,21 +62,23 @@ Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const Fus
                 "frame " + std::to_string(fit.frame),
                 "check that the views show a person, and check their calibration");
   }
-  CloudUncertainty uncertainty;
+  PosePosterior posterior;
   equations.VisitInverse([&](int, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd&) {
-    uncertainty = UncertaintyOfCovariance(pose.columns(), *body.skeleton, fit.frame, covariance, state, options);
+    posterior = PosteriorOf(pose.columns(), state, fit.frame, covariance, PriorInClouds(*body.skeleton, options));
   });
-  return uncertainty;
+  if (!deviations.bone.empty()) {
+    const double residual = ResidualOf(terms.frames.front().surface.matches);
+    Add(BodyResponse(terms, state, 0, deviations.Times(BodyErrorFactor(residual, options.rules))), posterior);
+  }
+  return posterior;
 }
 
 namespace {
 
 constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint without information (numerical)
+constexpr double kLever = 0.25;                ///< m; usual bone of a limb: places that are unsure rotate it
 /// rad; standard deviation of a uniform angle (numerical).
 const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));
-/// Factor on the deviations of unobserved joints. Without it, ankles of 4 synthetic clips were 18 mm off per axis with
-/// 14.6 stated. Feet were 61 mm off with 48 stated (bench_fit_clouds 4 30 907 DIR hidden=7, 10).
-constexpr double kUnobservedFactor = 1.3;
 
 }  // namespace
 
@@ -94,29 +100,27 @@ UncertainMotion::UncertainMotion(const Motion& motion)
 
 void UncertainMotion::SetPosition(std::size_t at, const Matrix3d& c) { ToSixNumbers(c, position_cov_.data() + 6 * at); }
 
-void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, double prior) {
+void UncertainMotion::SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& prior) {
   for (int i = 0; i < 3; ++i) {
-    const double stated = std::min(variance[i], prior);
+    const double stated = std::min(variance[i], prior[i]);
     rotation_sigma_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(std::sqrt(stated));
-    rotation_observed_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(1.0 - stated / prior);
+    rotation_observed_[3 * at + static_cast<std::size_t>(i)] = static_cast<float>(1.0 - stated / prior[i]);
   }
 }
 
-void UncertainMotion::Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
-                          const std::vector<Vector3d>& body_rotation) {
+void UncertainMotion::Set(int frame, const PosePosterior& posterior, double more) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
-    SetPosition(at, uncertainty.position[j] + body_error[j] * body_error[j] * Matrix3d::Identity());
-    SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.prior[j]);
+    SetPosition(at, posterior.position[j] + Square(more) * Matrix3d::Identity());
+    SetRotation(at, posterior.rotation[j] + Vector3d::Constant(Square(more / kLever)), posterior.prior[j]);
   }
 }
 
-void UncertainMotion::Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& moving,
-                              const std::vector<Vector3d>& body_rotation) {
+void UncertainMotion::Replace(int frame, const PosePosterior& posterior, const std::vector<bool>& moving) {
   for (int j = 0; j < joints_; ++j) {
     const auto at = static_cast<std::size_t>(frame) * static_cast<std::size_t>(joints_) + static_cast<std::size_t>(j);
-    SetPosition(at, uncertainty.position[j]);
-    if (moving[j]) SetRotation(at, uncertainty.rotation[j] + body_rotation[j], uncertainty.prior[j]);
+    SetPosition(at, posterior.position[j]);
+    if (moving[j]) SetRotation(at, posterior.rotation[j], posterior.prior[j]);
   }
 }
 
@@ -124,14 +128,6 @@ void UncertainMotion::Write(Motion& motion) const {
   motion.position_cov = position_cov_;
   motion.rotation_sigma = rotation_sigma_;
   motion.rotation_observed = rotation_observed_;
-}
-
-void WidenGaps(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error) {
-  for (std::size_t j = 0; j < seen.size(); ++j) {
-    if (seen[j]) continue;
-    uncertainty.position[j] *= kUnobservedFactor * kUnobservedFactor;
-    body_error[j] *= kUnobservedFactor;
-  }
 }
 
 void SetResiduals(std::vector<double> distances, FitResult& result) {
@@ -143,52 +139,6 @@ void SetResiduals(std::vector<double> distances, FitResult& result) {
   const auto place = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(distances.size() - 1));
   std::nth_element(distances.begin(), place, distances.end());
   result.residual_p95 = *place;
-}
-
-namespace {
-
-/// m, standard deviation per axis of joints without an entry in kBodyErrors. Source: bench_fit_clouds
-constexpr double kBodyError = 0.0044;
-/// m, standard deviation per axis of joints on a body from clouds, left and right ones alike. Source: bench_fit_clouds
-constexpr std::array<std::pair<const char*, double>, 14> kBodyErrors = {{{"pelvis", 0.0024},
-                                                                         {"spine1", 0.0023},
-                                                                         {"spine2", 0.0022},
-                                                                         {"spine3", 0.0024},
-                                                                         {"neck", 0.0028},
-                                                                         {"head", 0.0020},
-                                                                         {"collar", 0.0022},
-                                                                         {"hip", 0.0030},
-                                                                         {"knee", 0.0034},
-                                                                         {"ankle", 0.0032},
-                                                                         {"foot", 0.0045},
-                                                                         {"shoulder", 0.0044},
-                                                                         {"wrist", 0.0062},
-                                                                         {"hand", 0.0112}}};
-
-}  // namespace
-
-std::vector<double> BodyErrors(const Skeleton& skeleton, double scale, const Rules& rules) {
-  if (!rules.on(FittingRule::kBodyErrors)) return std::vector<double>(skeleton.joints.size(), 0.0);
-  if (skeleton.shape == BodyShape{} && rules.on(FittingRule::kUnknownShape)) scale *= kUnknownShape;
-  std::vector<double> errors(skeleton.joints.size(), scale * kBodyError);
-  for (const auto& [name, error] : kBodyErrors) {
-    for (const char* side : {"", "left_", "right_"}) {
-      if (const auto joint = skeleton.FindJoint(std::string(side) + name)) errors[*joint] = scale * error;
-    }
-  }
-  return errors;
-}
-
-std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
-                                    const std::vector<double>& body_error, const Rules& rules) {
-  if (!rules.on(FittingRule::kBodyRotations)) return std::vector<Vector3d>(skeleton.joints.size(), Vector3d::Zero());
-  std::vector<double> variance(body_error.size(), 0.0);
-  for (std::size_t j = 1; j < variance.size(); ++j)
-    variance[j] = Square(body_error[j]) + Square(body_error[skeleton.joints[j].parent]);
-  std::vector<Vector3d> variances;
-  for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, bone_length, variance))
-    variances.emplace_back(covariance.diagonal());
-  return variances;
 }
 
 namespace {

@@ -11,27 +11,25 @@
 #include "fitting/fit_result.h"
 #include "fitting/options.h"
 #include "fitting/rules.h"
-#include "fitting/solver/pose_equations.h"
 #include "fitting/terms/pose_state.h"
+#include "fitting/uncertainty/pose_posterior.h"
 
 namespace mocurate {
 
-/// Uncertainty of a frame's pose.
-struct CloudUncertainty {
-  std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
-  std::vector<Vector3d> rotation;  ///< (J) variance about the joint's own axes, rad^2
-  std::vector<double> prior;       ///< (J) prior variance of the rotation, rad^2
-};
+/// How far the body of a depth fit may be from the person's, for bodies `scale` times the rest skeleton: bones by the
+/// share `bones` of what they vary between people (SpreadOfBone), capsules by kCapsuleSigma. Larger for a template of
+/// unknown shape. Without bones and capsules where the rule is off.
+BodyDeviations DeviationsInClouds(const Skeleton& skeleton, double scale, double bones, const Rules& rules);
 
-/// Of a frame whose unknowns have the covariance (n x n). Needs Update with derivatives.
-CloudUncertainty UncertaintyOfCovariance(const PoseColumns& columns, const Skeleton& skeleton, int frame,
-                                         const Eigen::MatrixXd& covariance, const PoseState& state,
-                                         const PointCloudOptions& options);
+/// (J) Variances of rotations of a depth fit without points, rad^2.
+std::vector<Vector3d> PriorInClouds(const Skeleton& skeleton, const PointCloudOptions& options);
 
 /// From the inverse of the Gauss-Newton matrix of the frame's terms, at the minimum in the state; points weighted with
-/// `sigma` (CapsuleFitOutcome). Does not include the difference between body and person (BodyErrors). Needs Update.
-Expected<CloudUncertainty> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
-                                              double sigma, PoseState& state, const PointCloudOptions& options);
+/// `sigma` (CapsuleFitOutcome). Includes what a body that is not the person's does (DeviationsInClouds) where
+/// `of_body`. Needs Update.
+Expected<PosePosterior> UncertaintyOfFrame(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
+                                           double sigma, const BodyDeviations& deviations, PoseState& state,
+                                           const PointCloudOptions& options);
 
 /// The uncertainty of all frames of a motion, in the layout of Motion.
 class UncertainMotion {
@@ -41,20 +39,15 @@ class UncertainMotion {
   /// Begins with the uncertainty of `motion`.
   explicit UncertainMotion(const Motion& motion);
 
-  /// `body_error` (J, m): error of the body's joints in every frame, and `body_rotation` (J, rad^2) the rotation of
-  /// joint frames that it causes (BodyRotations); both are added to the frame's own. Rotation variances are at most the
-  /// prior's.
-  void Set(int frame, const CloudUncertainty& uncertainty, const std::vector<double>& body_error,
-           const std::vector<Vector3d>& body_rotation);
-  /// The same without an error of the body in positions; joints that are not `moving` (J) keep the uncertainty of their
-  /// rotation.
-  void Replace(int frame, const CloudUncertainty& uncertainty, const std::vector<bool>& moving,
-               const std::vector<Vector3d>& body_rotation);
+  /// `more`: m, standard deviation per axis that is added to every joint.
+  void Set(int frame, const PosePosterior& posterior, double more = 0.0);
+  /// The same; joints that are not `moving` (J) keep the uncertainty of their rotation.
+  void Replace(int frame, const PosePosterior& posterior, const std::vector<bool>& moving);
   void Write(Motion& motion) const;
 
  private:
   void SetPosition(std::size_t at, const Matrix3d& covariance);
-  void SetRotation(std::size_t at, const Vector3d& variance, double prior);
+  void SetRotation(std::size_t at, const Vector3d& variance, const Vector3d& prior);
 
   int joints_;
   std::vector<float> position_cov_;
@@ -62,22 +55,8 @@ class UncertainMotion {
   std::vector<float> rotation_observed_;
 };
 
-/// Widens covariances and body errors (J, m) of joints without observations (not `seen`, J): their errors exceed those
-/// of pose and body.
-void WidenGaps(const std::vector<bool>& seen, CloudUncertainty& uncertainty, std::vector<double>& body_error);
-
 /// Root mean square, 95th percentile and robust standard deviation of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);
-
-/// (J) usual error of this body's joints for the person whose surface was fitted, standard deviation per axis, metres.
-/// For size and shape from clouds (FitShape), or, when the skeleton's shape is unknown, for the template scaled to one
-/// height. Measured on synthetic people with other body shapes (`bench_fit_clouds`). 0 where the rule is off.
-std::vector<double> BodyErrors(const Skeleton& skeleton, double scale, const Rules& rules);
-
-/// Rotations of joint frames that these errors cause in all frames: variances about the axes of the joint's frame ((J),
-/// rad^2). `body_error` (J) as above. 0 where the rule is off.
-std::vector<Vector3d> BodyRotations(const Skeleton& skeleton, const std::vector<double>& bone_length,
-                                    const std::vector<double>& body_error, const Rules& rules);
 
 /// (N) Points that count towards the surface that is seen: one per voxel, or per cell of 3 cm where voxels are smaller.
 /// Below that, cameras have fewer pixels than the surface has voxels.
@@ -107,8 +86,8 @@ void ReportLowCoverage(const std::vector<double>& error, std::vector<Finding>& f
 /// Root mean square of the distances of matched points, metres; 0 without matches.
 double ResidualOf(const std::vector<CloudMatch>& matches);
 
-/// Factor on the body errors of a frame whose points have the distance `residual` (root mean square, metres) from the
-/// body: at least 1; 1 where the rule is off.
+/// Factor on the deviations of the body in a frame whose points have the distance `residual` (root mean square, metres)
+/// from the body: at least 1; 1 where the rule is off.
 double BodyErrorFactor(double residual, const Rules& rules);
 
 /// Reports frames whose points lie much farther from the body than in the clip's best frames (`residual`: F, root mean

@@ -27,8 +27,9 @@ constexpr double kNotableRoom = 0.02;       ///< share of the points of floor an
 constexpr double kNotableFar = 0.05;
 constexpr double kContradictingShare = 0.15;  ///< of the points, from which a given height is wrong
 constexpr double kHardlyEver = 0.1;           ///< share of the frames, up to which a limb counts as unobserved
-constexpr double kClearMargin =
-    0.1;  ///< relative cost difference up to which the facing of the first pose is ambiguous
+/// s; points of this time share the errors of a pose, so that costs of two poses are compared once in it.
+constexpr double kComparedEvery_s = 0.5;
+constexpr std::size_t kOthersFitted = 3;  ///< other first poses from which the clip is fitted too, at most (numerical)
 
 /// Number of points (CoverageSample) that observe each joint. For a joint with a single child: points within a third of
 /// the bone on either side of the joint. For others (hands, head, trunk): all points of capsules that move with it.
@@ -113,23 +114,12 @@ Expected<SmoothedTrack> Smooth(const std::vector<double>& time_s, const PointClo
   return result;
 }
 
-void AddUncertainty(SmoothedTrack track, const Shown& shown, const PointCloudOptions& options, FitResult& result) {
+void AddUncertainty(const SmoothedTrack& track, const Shown& shown, FitResult& result) {
   const Motion& motion = result.motion;
   UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
-  const std::vector<double> usual =
-      BodyErrors(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
   for (std::size_t i = 0; i < track.chain.size(); ++i) {
     const int f = track.chain[i].frame;
-    CloudUncertainty& uncertainty = track.smoothed.uncertainty[i];
-    std::vector<double> body_error = usual;
-    const double factor = BodyErrorFactor(shown.residual[f], options.rules);
-    for (double& error : body_error) error = std::hypot(factor * error, shown.error[f]);
-    const std::vector<Vector3d> body_rotation =
-        BodyRotations(*motion.skeleton, motion.bone_length, body_error, options.rules);
-    const auto begin = shown.joint.begin() + static_cast<std::ptrdiff_t>(f) * motion.joint_count();
-    if (options.rules.on(FittingRule::kUnobservedFactor))
-      WidenGaps({begin, begin + motion.joint_count()}, uncertainty, body_error);
-    uncertain.Set(f, uncertainty, body_error, body_rotation);
+    uncertain.Set(f, track.smoothed.uncertainty[i], shown.error[static_cast<std::size_t>(f)]);
   }
   uncertain.Write(result.motion);
 }
@@ -199,15 +189,68 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
                   FindingAction::kKept));
 }
 
-/// A body of capsules looks much the same from the front and from the back.
-void ReportAmbiguous(const CloudTrack& track, FitResult& result) {
-  if (!track.start.margin || *track.start.margin > kClearMargin) return;
+/// Fit of a clip from one first pose.
+struct FitOfStart {
+  CloudTrack track;
+  SmoothedTrack smoothed;
+};
+
+/// Cost of one fit less that of the other, over moments that are independent.
+CostDifference Compare(const FitOfStart& one, const FitOfStart& other, const std::vector<double>& time_s,
+                       const PointCloudOptions& options) {
+  CostDifference difference;
+  double last = -kComparedEvery_s;
+  for (const FrameFit& frame : one.smoothed.chain) {
+    const auto f = static_cast<std::size_t>(frame.frame);
+    if (time_s[f] - last < kComparedEvery_s || other.track.outcomes[f].iterations == 0) continue;
+    last = time_s[f];
+    const FrameFit fit = ComparedFit(frame.frame, options.iterations);
+    const FusedCloud& cloud = one.track.clouds[f];
+    difference += Compare(cloud, PointCosts(one.track.body, cloud, fit, one.track.state, options),
+                          PointCosts(other.track.body, cloud, fit, other.track.state, options));
+  }
+  return difference;
+}
+
+/// Mean distance of the joints of two motions, m.
+double JointsApart(const PoseState& a, const PoseState& b) {
+  double sum = 0.0;
+  for (int f = 0; f < a.frames(); ++f) {
+    for (int j = 0; j < a.joints(); ++j) sum += (a.position(f, j) - b.position(f, j)).norm();
+  }
+  return sum / (static_cast<double>(a.frames()) * a.joints());
+}
+
+/// Chance that the other pose is the right one, by the difference of costs in its standard deviations.
+double ChanceOfOther(const CostDifference& more) {
+  return 0.5 * std::erfc(more.sum / std::max(more.sigma(), 1e-12) / std::sqrt(2.0));
+}
+
+/// A body of capsules looks much the same from the front and from the back, and a limb may be another one.
+void ReportAmbiguous(double chance, double apart, const PoseState& other, FitResult& result) {
   result.findings.push_back(
-      MakeFinding("facing_ambiguous", Severity::kWarning, *track.start.margin,
-                  "a first pose that faces another way explains the points almost as well: its cost is " +
-                      std::to_string(std::lround(100.0 * *track.start.margin)) +
-                      " % higher; the cheaper one is kept; set fitting.point_clouds.start.facing if known",
+      MakeFinding(kAmbiguousPose, Severity::kWarning, chance,
+                  "another pose, whose joints are in the mean " + std::to_string(std::lround(1e3 * apart)) +
+                      " mm away, explains the points about as well (chance " + RoundedText(chance, 2) +
+                      "); the cheaper one is kept, stated standard deviations cover both; set "
+                      "fitting.point_clouds.start if the first pose is known, or add views",
                   FindingAction::kKept));
+  for (int j = 0; j < other.joints(); ++j) result.other_pose.push_back(other.position(0, j));
+}
+
+/// Covers the other pose too: second moments about the pose that is reported, with the chance of each.
+void CoverOther(const PoseState& pose, const PoseState& other, int frame, double chance, const PosePosterior& of_other,
+                PosePosterior& posterior) {
+  for (int j = 0; j < pose.joints(); ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    const Vector3d apart = other.position(frame, j) - pose.position(frame, j);
+    posterior.position[at] =
+        (1.0 - chance) * posterior.position[at] + chance * (of_other.position[at] + apart * apart.transpose());
+    const Vector3d turned = LogMatrix(pose.local(frame, j).transpose() * other.local(frame, j));
+    posterior.rotation[at] =
+        ((1.0 - chance) * posterior.rotation[at] + chance * (of_other.rotation[at] + turned.cwiseAbs2()))
+            .cwiseMin(posterior.prior[at]);
+  }
 }
 
 void ReportContradiction(const CloudTrack& track, FitResult& result) {
@@ -244,11 +287,47 @@ void ReportRig(DepthRigReport report, FitResult& fit) {
 
 Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudClock& clock, const SkeletonPtr& skeleton,
                                    const std::vector<double>& bone_length, const PointCloudOptions& options) {
-  auto track = TrackClouds(std::move(clouds), skeleton, bone_length.empty() ? skeleton->RestBoneLengths() : bone_length,
-                           clock.time_s, options);
-  if (!track) return Forward(track);
-  Expected<SmoothedTrack> smoothed = Smooth(clock.time_s, options, *track);
-  if (!smoothed) return Forward(smoothed);
+  const std::vector<double> bones = bone_length.empty() ? skeleton->RestBoneLengths() : bone_length;
+  const auto fit = [&](std::vector<FusedCloud> given, const std::vector<double>* first_pose) -> Expected<FitOfStart> {
+    auto track = TrackClouds(std::move(given), skeleton, bones, clock.time_s, options, first_pose);
+    if (!track) return Forward(track);
+    auto smoothed = Smooth(clock.time_s, options, *track);
+    if (!smoothed) return Forward(smoothed);
+    return FitOfStart{*std::move(track), *std::move(smoothed)};
+  };
+  Expected<FitOfStart> best = fit(std::move(clouds), nullptr);
+  if (!best) return Forward(best);
+  std::optional<FitOfStart> other;
+  double chance = 0.0, apart = 0.0;
+  const CloudStart start = best->track.start;
+  for (std::size_t i = 0; i < std::min(start.others.size(), kOthersFitted); ++i) {
+    Expected<FitOfStart> second = fit(best->track.clouds, &start.others[i]);
+    if (!second) return Forward(second);
+    CostDifference more = Compare(*second, *best, clock.time_s, options);
+    if (more.sum < 0.0) {
+      std::swap(*second, *best);
+      more.sum = -more.sum;
+    }
+    apart = JointsApart(second->track.state, best->track.state);
+    if (apart < kDistinctPose || more.sum >= kClearlyWorse * more.sigma()) continue;
+    chance = ChanceOfOther(more);
+    other = *std::move(second);
+    break;
+  }
+  best->track.start = start;
+  CloudTrack* const track = &best->track;
+  SmoothedTrack* const smoothed = &best->smoothed;
+  if (other && options.uncertainty) {
+    for (std::size_t i = 0; i < smoothed->chain.size(); ++i) {
+      const int f = smoothed->chain[i].frame;
+      const auto same = std::find_if(other->smoothed.chain.begin(), other->smoothed.chain.end(),
+                                     [&](const FrameFit& frame) { return frame.frame == f; });
+      if (same == other->smoothed.chain.end()) continue;
+      const auto at = static_cast<std::size_t>(same - other->smoothed.chain.begin());
+      CoverOther(track->state, other->track.state, f, chance, other->smoothed.smoothed.uncertainty[at],
+                 smoothed->smoothed.uncertainty[i]);
+    }
+  }
   FitResult result;
   result.motion = MotionOf(track->state, track->body.skeleton, clock.rate);
   result.capsule_radii = RadiiText(track->body);
@@ -256,8 +335,8 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   const bool settled = smoothed->smoothed.settled;
   result.initial_cost = smoothed->smoothed.initial_cost;
   result.final_cost = smoothed->smoothed.final_cost;
-  if (options.uncertainty) AddUncertainty(*std::move(smoothed), shown, options, result);
-  ReportAmbiguous(*track, result);
+  if (options.uncertainty) AddUncertainty(*smoothed, shown, result);
+  if (other) ReportAmbiguous(chance, apart, other->track.state, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
   ReportUnobservedLimbs(shown, result);

@@ -11,22 +11,20 @@
 #include "core/base/text.h"
 #include "core/geometry/rotation.h"
 #include "fitting/clouds/cloud_match.h"
+#include "fitting/clouds/cloud_terms.h"
 #include "fitting/clouds/cloud_tracking.h"
 #include "fitting/clouds/cloud_uncertainty.h"
 #include "fitting/stop_request.h"
 #include "fitting/terms/huber.h"
-#include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/calibration.h"
 
 namespace mocurate {
 namespace {
 
 /// Evenly spaced frames for the estimates of body shape and surface weight (numerical).
 constexpr int kShownFrames = 24;
+constexpr std::size_t kBodyFrames = 4;  ///< of them, at most, in which the response to the body is computed (numerical)
 constexpr double kMinSurfaceWeight = 0.02;  ///< weight of clouds that contradict the tracks, at least
-/// Factor on the variance of joints from a frame's information: bones and body shape come from the same noisy tracks,
-/// and their errors are common to all frames. 73 and 96 % of the joints lie within one and two stated sigmas. Rotations
-/// do not need it. Source: bench_fit_clouds mix=1
-constexpr double kSharedErrors = 1.9;
 /// Chi square of three degrees of freedom, ninth decile. Source: chi-square distribution
 constexpr double kContradictingSquare = 6.25;
 constexpr double kMaxExcessShare = 2.0;  ///< factor on the template's usual variance: more is not due to body
@@ -124,7 +122,7 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
     const FrameFit fit = FitOf(f, options);
     const auto fitted = FitCloudFrame(body, clouds[f], fit, state, options);
     if (!fitted) return Forward(fitted);
-    const auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
+    const auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, {}, state, options);
     if (!uncertainty) return Forward(uncertainty);
     for (int j = 0; j < state.joints(); ++j) {
       if (!known[static_cast<std::size_t>(j)]) continue;
@@ -142,13 +140,36 @@ Expected<double> EstimateSurfaceWeight(const Motion& motion, const std::vector<F
   return std::clamp(std::sqrt(MeanMedian(claimed) / real), kMinSurfaceWeight, 1.0);
 }
 
+/// Variance per axis that capsules which are not the person's add to the places of the joints (m^2, (J)), mean over
+/// some frames of poses of the clouds.
+std::vector<double> VarianceOfBody(const std::vector<FusedCloud>& clouds, const std::vector<int>& frames,
+                                   const CapsuleBody& body, PoseState state, const PointCloudOptions& options) {
+  std::vector<double> variance(static_cast<std::size_t>(state.joints()), 0.0);
+  const double scale = BodyScale(*body.skeleton, state.bone_lengths());
+  const BodyDeviations deviations = DeviationsInClouds(*body.skeleton, scale, 0.0, options.rules);
+  const std::size_t step = (frames.size() + kBodyFrames - 1) / kBodyFrames;
+  double count = 0.0;
+  for (std::size_t i = 0; i < frames.size(); i += step, count += 1.0) {
+    const int f = frames[i];
+    state.Update(f, f + 1, true);
+    PoseTerms terms = CloudTerms(body, options);
+    terms.frames = {TermsOfFit(body, clouds[f], FitOf(f, options),
+                               MatchPoints(body, state, f, clouds[f], options.max_distance), kComparedSigma, options)};
+    const double residual = ResidualOf(terms.frames.front().surface.matches);
+    const BodyResponse response(terms, state, 0, deviations.Times(BodyErrorFactor(residual, options.rules)));
+    for (std::size_t j = 0; j < variance.size(); ++j) variance[j] += response.position()[j].trace() / 3.0;
+  }
+  for (double& of_joint : variance) of_joint /= count;
+  return variance;
+}
+
 /// Factor on the variance of each joint of tracks that poses of the clouds alone contradict: where the distance exceeds
 /// both uncertainties in most frames. (J) at least 1.
 std::vector<double> VarianceInflation(const Motion& motion, const std::vector<FusedCloud>& clouds,
                                       const std::vector<int>& frames, const CapsuleBody& body,
                                       const PointCloudOptions& options, PoseState alone) {
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
-  const std::vector<double> error = BodyErrors(*motion.skeleton, scale, options.rules);
+  const std::vector<double> of_body = VarianceOfBody(clouds, frames, body, alone, options);
   std::vector<double> factor(static_cast<std::size_t>(motion.joint_count()), 1.0);
   alone.SetActive(body.MovingJoints());
   alone.Update(0, alone.frames(), false);
@@ -156,10 +177,9 @@ std::vector<double> VarianceInflation(const Motion& motion, const std::vector<Fu
     std::vector<double> squares;
     for (const int f : frames) {
       const std::size_t at = static_cast<std::size_t>(f) * motion.joint_count() + static_cast<std::size_t>(j);
-      const double of_body = error[static_cast<std::size_t>(j)];
       const double of_coverage_sigma = LowCoverageSigma(clouds[static_cast<std::size_t>(f)], options, scale);
       const Matrix3d both = CovarianceAt(motion.position_cov, at) +
-                            (of_body * of_body + of_coverage_sigma * of_coverage_sigma) * Matrix3d::Identity();
+                            (of_body[static_cast<std::size_t>(j)] + Square(of_coverage_sigma)) * Matrix3d::Identity();
       const Vector3d apart = alone.position(f, j) - motion.joints.at(f, j);
       squares.push_back(apart.dot(both.ldlt().solve(apart)));
     }
@@ -184,13 +204,6 @@ Expected<std::optional<PoseState>> SecondStart(const Motion& motion, const std::
   if (!track && track.error().code == ErrorCode::kInterrupted) return Forward(track);
   if (!track) return std::optional<PoseState>();
   return std::optional<PoseState>(std::move(track->state));
-}
-
-/// Median squared distance between joints of the template body and of the person's.
-double ShapeVariance(const Skeleton& skeleton, double scale, const Rules& rules) {
-  std::vector<double> squares;
-  for (const double error : BodyErrors(skeleton, scale, rules)) squares.push_back(3.0 * error * error);
-  return MeanMedian(squares);
 }
 
 /// Fits from the pose in the state, and from `alone` if given; keeps the cheaper result.
@@ -264,17 +277,6 @@ void ReportEmptyClouds(const std::vector<FusedCloud>& clouds, FitResult& result)
                                             Counted(static_cast<long long>(clouds.size()), "frame") +
                                             "; these frames are fitted to the other evidence alone",
                                         FindingAction::kKept));
-}
-
-/// Rotation errors of joint frames, about their axes, when bone lengths come from tracks. (J), rad^2
-std::vector<Vector3d> RotationsOfMeasuredBody(const Motion& motion) {
-  const Skeleton& skeleton = *motion.skeleton;
-  std::vector<double> variance(skeleton.joints.size(), 0.0);
-  for (int j = 1; j < skeleton.joint_count(); ++j) variance[j] = std::pow(SpreadOfBone(skeleton, j), 2);
-  std::vector<Vector3d> variances;
-  for (const Matrix3d& covariance : FrameOrientationByBones(skeleton, motion.bone_length, variance))
-    variances.emplace_back(covariance.diagonal());
-  return variances;
 }
 
 }  // namespace
@@ -369,7 +371,8 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
   const std::vector<bool> known = KnownJoints(motion);
   const double unknown =
       FitCapsuleOffsets(clouds, state, shown, options.max_distance, MeanVariance(motion, shown, known), body);
-  const double usual = ShapeVariance(*motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), options.rules);
+  const double usual =
+      3.0 * MeanMedian(VarianceOfBody(clouds, shown, body, alone != nullptr ? *alone : state, options));
   const auto surface_weight =
       EstimateSurfaceWeight(motion, clouds, shown, body, state, alone, known, unknown, usual, options);
   if (!surface_weight) return Forward(surface_weight);
@@ -383,8 +386,8 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
   result.initial_cost = result.final_cost = 0.0;  // of the frames, each with what the tracks know
   ReportDisagreement(factor, result);
   UncertainMotion uncertain(motion);
-  std::vector<Vector3d> body_rotation(known.size(), Vector3d::Zero());
-  if (options.rules.on(FittingRule::kBodyRotations)) body_rotation = RotationsOfMeasuredBody(motion);
+  const BodyDeviations deviations = DeviationsInClouds(
+      *motion.skeleton, BodyScale(*motion.skeleton, motion.bone_length), kMeasuredBones, options.rules);
   std::vector<double> residuals;
   int unsettled = 0;
   for (int f = 0; f < motion.frame_count(); ++f) {
@@ -398,11 +401,9 @@ Expected<FitResult> FitTracksAndClouds(FitResult tracks, const std::vector<Fused
     fit.solver = options.solver;
     const auto fitted = FitFromBoth(body, clouds[f], fit, state, alone, options);
     if (!fitted) return Forward(fitted);
-    auto uncertainty = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, state, options);
-    if (!uncertainty) return Forward(uncertainty);
-    const double shared = options.rules.on(FittingRule::kSharedErrors) ? kSharedErrors : 1.0;
-    for (Matrix3d& covariance : uncertainty->position) covariance *= shared;
-    uncertain.Replace(f, *uncertainty, moving, body_rotation);
+    const auto posterior = UncertaintyOfFrame(body, clouds[f], fit, fitted->sigma, deviations, state, options);
+    if (!posterior) return Forward(posterior);
+    uncertain.Replace(f, *posterior, moving);
     for (const CloudMatch& match : MatchPoints(body, state, f, clouds[f], options.max_distance)) {
       residuals.push_back(std::abs(match.distance));
     }

@@ -14,7 +14,6 @@
 #include "fitting/fit_result.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/closed_form_start.h"
-#include "fitting/solver/rest_sigmas.h"
 #include "fitting/solver/solve.h"
 #include "fitting/solver/track_problem.h"
 #include "fitting/uncertainty/process_noise_scale.h"
@@ -233,8 +232,6 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
   TrackProblem whole(tracks, state, sigma, widened);
   BlockTridiagonal memory;
   whole.memory = &memory;
-  const std::vector<double> rest_sigmas = RestPoseSigmas(tracks, options.priors.rest);
-  whole.rest_sigmas = &rest_sigmas;
   std::vector<Finding> disagreements;
   for (const TrackStep& step : options.steps) {
     const bool last = &step == &options.steps.back();

@@ -2,21 +2,14 @@
 
 #include <vector>
 
-#include "fitting/evidence/skeleton_tracks.h"
+#include "core/motion/skeleton.h"
 
 namespace mocurate {
-
-inline constexpr double kTypicalSigma = 1.0;  ///< rad from the rest pose, of hips, knees, shoulders and elbows
 
 /// (J) standard deviation of each joint's angle from the rest pose, radians: `rest_sigma` times the joint's mobility.
 /// Limbs move freely; trunk, collars, feet and hands of a skeleton with these names little, so that they do not absorb
 /// the error of a capsule body.
 std::vector<double> RestPoseSigmas(const Skeleton& skeleton, double rest_sigma);
-
-/// (J) the same for joint tracks: `rest_sigma` where a joint is ever observed; the joint's typical angle where neither
-/// its position nor its rotation is, as its descendants determine little of it (three joints of a spine between hips
-/// and shoulders could rotate against each other).
-std::vector<double> RestPoseSigmas(const SkeletonTracks& tracks, double rest_sigma);
 
 /// Share of the rest pose's information (1 / s^2, `rest`) that a frame counts for a step to a neighbour whose process
 /// noise has the information `step` (1 / q, of that same axis). People keep a posture, so that the rest pose counts

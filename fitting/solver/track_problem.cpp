@@ -14,7 +14,9 @@ StepTerm TrackProblem::StepAfter(int frame) const {
   StepTerm step;
   for (int j = 0; j < tracks.joints() && Joined(frame); ++j) {
     step.rotation.push_back(1.0 / RotationVariance(frame, j));
-    step.move.push_back(options.priors.all_joints || j == 0 ? 1.0 / MoveVariance(frame, j) : 0.0);
+    // A joint that no frame shows would move far if the trunk were tilted: that is no evidence of an upright trunk.
+    const bool coupled = j == 0 || (options.priors.all_joints && shown[static_cast<std::size_t>(j)]);
+    step.move.push_back(coupled ? 1.0 / MoveVariance(frame, j) : 0.0);
   }
   return step;
 }

@@ -6,6 +6,7 @@
 #include "fitting/evidence/rotation_targets.h"
 #include "fitting/evidence/skeleton_tracks.h"
 #include "fitting/options.h"
+#include "fitting/solver/rest_sigmas.h"
 #include "fitting/terms/terms.h"
 
 namespace mocurate {
@@ -26,18 +27,24 @@ struct ProcessNoiseScale {
 /// The joint tracks of a clip, the pose that is fitted to them, and what the fit knows beside them.
 struct TrackProblem {
   TrackProblem(const SkeletonTracks& of, PoseState& pose, double noise, const JointTrackOptions& with)
-      : tracks(of), state(pose), sigma(noise), options(with), hinges(HingesOf(*of.skeleton)) {}
+      : tracks(of),
+        state(pose),
+        sigma(noise),
+        options(with),
+        hinges(HingesOf(*of.skeleton)),
+        rest_sigma(RestPoseSigmas(*of.skeleton, with.priors.rest)),
+        shown(of.JointObservations()) {}
 
   const SkeletonTracks& tracks;
   PoseState& state;
   double sigma;  ///< of the tracks, metres per axis
   const JointTrackOptions& options;
-  std::vector<std::optional<Hinge>> hinges;               ///< (J)
-  const ProcessNoiseScale* noise_scale = nullptr;         ///< none: 1 everywhere
-  const RotationTargets* rotations = nullptr;             ///< recorded; none: not used
-  const std::vector<double>* rest_sigmas = nullptr;       ///< (J) radians; none: options.priors.rest of all
-  const std::vector<double>* rest_information = nullptr;  ///< (F*J) 1/rad^2; none: that of RestSigma in each frame
-  BlockTridiagonal* memory = nullptr;                     ///< reused by all solves; null: their own
+  std::vector<std::optional<Hinge>> hinges;        ///< (J)
+  std::vector<double> rest_sigma;                  ///< (J) rad, per axis of a joint's angle from the rest pose
+  std::vector<bool> shown;                         ///< (J) in any frame
+  const ProcessNoiseScale* noise_scale = nullptr;  ///< none: 1 everywhere
+  const RotationTargets* rotations = nullptr;      ///< recorded; none: not used
+  BlockTridiagonal* memory = nullptr;              ///< reused by all solves; null: their own
 
   int frames() const { return tracks.frames(); }
   std::size_t Index(int frame, int joint) const {
@@ -47,13 +54,14 @@ struct TrackProblem {
   /// Seconds from a frame to the next; coupled only up to kMaxGap_s, whatever may be interpolated.
   double Step(int frame) const { return tracks.time_s[frame + 1] - tracks.time_s[frame]; }
   bool Joined(int frame) const { return Step(frame) <= kMaxGap_s; }
-  /// Standard deviation per axis of a joint's angle from the rest pose, radians.
-  double RestSigma(int joint) const {
-    return rest_sigmas != nullptr ? (*rest_sigmas)[static_cast<std::size_t>(joint)] : options.priors.rest;
-  }
-  /// Information of the rest prior of a joint in a frame, 1/rad^2 per axis.
+  /// Information of the rest prior of a joint in a frame, 1/rad^2 per axis: counted once (RestShareOfStep).
   double RestInformation(int frame, int joint) const {
-    return rest_information != nullptr ? (*rest_information)[Index(frame, joint)] : 1.0 / Square(RestSigma(joint));
+    const double rest = 1.0 / Square(rest_sigma[static_cast<std::size_t>(joint)]);
+    const auto share = [&](int step) {
+      const bool coupled = step >= 0 && step + 1 < frames() && Joined(step);
+      return coupled ? RestShareOfStep(rest, 1.0 / RotationVariance(step, joint)) : kRestAtAnEnd;
+    };
+    return rest * (share(frame - 1) + share(frame));
   }
   /// Variances per axis of a joint's rotation (rad^2) and position (m^2) from a frame to the next.
   double RotationVariance(int frame, int joint) const {

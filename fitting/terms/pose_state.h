@@ -29,6 +29,9 @@ class PoseState {
     return parameters_.data() + static_cast<std::size_t>(frames_) * stride_ + joint;
   }
 
+  /// (J) metres.
+  std::vector<double> bone_lengths() const { return {bone(0), bone(0) + joints_}; }
+
   /// Translation and rotations of a frame, 3 + 3 J numbers.
   std::vector<double> FrameParameters(int frame) const { return {translation(frame), translation(frame) + stride_}; }
   void SetFrameParameters(int frame, const std::vector<double>& parameters) {

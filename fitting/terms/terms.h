@@ -39,6 +39,8 @@ struct BodyRows {
   Eigen::Matrix<double, K, 1> r;
   Eigen::Matrix<double, K, 6> a;  ///< dr / d(v, w)
   double huber = 0.0;             ///< |r| from which the loss is linear; 0: squared everywhere
+  int source = -1;     ///< of a point on a surface its capsule, of an observed position its joint; -1: of others
+  double place = 0.0;  ///< of a point on a surface, along the capsule's axis: 0 at its begin, 1 at its end
 
   /// rho(|r|^2) of Huber's loss, and its slope there.
   double Loss() const { return huber > 0.0 ? HuberValue(r.squaredNorm(), huber) : r.squaredNorm(); }
@@ -163,7 +165,9 @@ void VisitSurface(const PoseTerms& terms, const PoseState& state, int index, Vis
     const BodyCapsule& capsule = terms.body->capsules[static_cast<std::size_t>(match.capsule)];
     const CapsuleEnds& axis = ends[static_cast<std::size_t>(match.capsule)];
     const Vector3d point = surface.points->col(match.point);
-    const Vector3d nearest = axis.begin + PlaceOnAxis(axis.begin, axis.end, point) * (axis.end - axis.begin);
+    rows.source = match.capsule;
+    rows.place = PlaceOnAxis(axis.begin, axis.end, point);
+    const Vector3d nearest = axis.begin + rows.place * (axis.end - axis.begin);
     const Vector3d away = point - nearest;
     const double distance = away.norm();
     rows.r[0] = surface.weight * (distance - capsule.radius);
@@ -187,11 +191,13 @@ void VisitObservations(const PoseTerms& terms, const PoseState& state, int index
     const Vector3d& position = state.position(f, term.joint);
     rows.r.noalias() = term.whitening * (position - term.seen);
     rows.carrier = std::max(0, state.parent(term.joint));
+    rows.source = term.joint;
     if constexpr (kDerivatives) {
       rows.a.noalias() = term.whitening * PointMotion(position - state.position(f, 0));
     }
     visit(rows);
   }
+  rows.source = -1;
   for (const RotationTerm& term : frame.rotations) {
     const Matrix3d& global = state.global(f, term.joint);
     const Vector3d away = LogMatrix(term.seen.transpose() * global);
@@ -282,8 +288,8 @@ struct BesideFixed {
 }  // namespace internal
 
 /// All rows of one frame, those beside fixed frames included: calls `visit` with BodyRows<1>, BodyRows<3>,
-/// JointRows<2>, JointRows<3> and PoseRows. The state's kinematics must be up to date, its derivatives too where
-/// `kDerivatives`; without, a, j, before and after mean nothing.
+/// JointRows<2>, JointRows<3> and PoseRows. The state's kinematics must be up to date, its derivatives too
+/// where `kDerivatives`; without, a, j, before and after mean nothing.
 template <bool kDerivatives, class Visitor>
 void VisitFrame(const PoseTerms& terms, const PoseState& state, int index, Visitor&& visit) {
   internal::VisitSurface<kDerivatives>(terms, state, index, visit);

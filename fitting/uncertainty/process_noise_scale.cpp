@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "fitting/solver/block_tridiagonal.h"
-#include "fitting/solver/rest_sigmas.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
 namespace mocurate {
@@ -160,32 +159,6 @@ Expected<ProcessNoiseScale> RefitProcessNoise(const TrackProblem& window) {
   Average(window, rotations, factors.rotation);
   Average(window, translations, factors.position);
   return factors;
-}
-
-namespace {
-
-constexpr double kAutocorrelationTime_s = 5.0;  ///< for which people keep a posture
-
-}  // namespace
-
-std::vector<double> TypicalRotations(const Skeleton& skeleton) { return RestPoseSigmas(skeleton, kTypicalSigma); }
-
-std::vector<double> RestInformationOfProcessNoise(const TrackProblem& whole) {
-  std::vector<double> information(whole.tracks.confidence.size());
-  const std::vector<double> typical = TypicalRotations(*whole.tracks.skeleton);
-  for (int j = 0; j < whole.tracks.joints(); ++j) {
-    const double square = typical[static_cast<std::size_t>(j)] * typical[static_cast<std::size_t>(j)];
-    const auto of_step = [&](int step) {
-      return std::min(std::tanh(0.25 * whole.RotationVariance(step, j) / square),
-                      0.5 * whole.Step(step) / kAutocorrelationTime_s);
-    };
-    for (int f = 0; f < whole.frames(); ++f) {
-      const double before = f > 0 && whole.Joined(f - 1) ? of_step(f - 1) : 1.0;
-      const double after = f + 1 < whole.frames() && whole.Joined(f) ? of_step(f) : 1.0;
-      information[whole.Index(f, j)] = 0.5 / square * (before + after);
-    }
-  }
-  return information;
 }
 
 }  // namespace mocurate

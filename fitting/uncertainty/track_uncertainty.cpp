@@ -5,8 +5,8 @@
 
 #include "core/geometry/rotation.h"
 #include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/calibration.h"
 #include "fitting/uncertainty/frame_covariances.h"
-#include "fitting/uncertainty/process_noise_scale.h"
 #include "fitting/uncertainty/variance_inflation.h"
 
 namespace mocurate {
@@ -40,14 +40,14 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackProblem& whole) {
   }
   TrackProblem blind(faint, whole.state, whole.sigma, whole.options);
   blind.noise_scale = whole.noise_scale;
-  blind.rest_sigmas = whole.rest_sigmas;
-  blind.rest_information = whole.rest_information;
+  blind.rest_sigma = whole.rest_sigma;
+  blind.shown = whole.shown;
   blind.memory = whole.memory;
-  const std::vector<double> typical = TypicalRotations(*faint.skeleton);
   std::vector<Vector3d> prior(faint.confidence.size());
   const Status visited = VisitCovariances(blind, [&](const FrameCovariance& of_frame) {
     for (int j = 0; j < faint.joints(); ++j) {
-      Vector3d variance = Vector3d::Constant(j == 0 ? kUnknownAngle : typical[j] * typical[j]);
+      Vector3d variance =
+          Vector3d::Constant(j == 0 ? kUnknownAngle : Square(whole.rest_sigma[static_cast<std::size_t>(j)]));
       if (const int column = of_frame.columns.of(j); j > 0 && column >= 0)
         variance = variance.cwiseMin(RotationVariance(whole.state, of_frame, j));
       prior[whole.Index(of_frame.frame, j)] = variance;
@@ -55,19 +55,6 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackProblem& whole) {
   });
   if (!visited) return tl::unexpected<Error>(visited.error());
   return prior;
-}
-
-/// The fit's process noise, without coupling positions of unobserved joints: an unobserved head that would move far if
-/// the trunk were tilted is no evidence for an upright trunk.
-ProcessNoiseScale ProcessNoiseOfObserved(const TrackProblem& whole) {
-  constexpr double kAnywhere = 1e4;  ///< factor on the process noise of unobserved joints (numerical)
-  const std::size_t numbers = whole.tracks.confidence.size();
-  ProcessNoiseScale noise_scale = whole.noise_scale != nullptr ? *whole.noise_scale : ProcessNoiseScale::Ones(numbers);
-  const std::vector<bool> shown = whole.tracks.JointObservations();
-  for (std::size_t at = 0; at < numbers; ++at) {
-    if (!shown[at % shown.size()]) noise_scale.position[at] = kAnywhere;
-  }
-  return noise_scale;
 }
 
 /// Residual statistics: sum of weighted squares, and redundancy.
@@ -233,13 +220,8 @@ void AddFrameOrientations(const TrackProblem& whole, const std::vector<Vector3d>
 
 }  // namespace
 
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& window, double least_factor) {
-  const std::vector<double> rest_information = RestInformationOfProcessNoise(window);
-  const ProcessNoiseScale noise_scale = ProcessNoiseOfObserved(window);
-  const Rules& rules = window.options.rules;
-  TrackProblem whole = window;
-  if (rules.on(FittingRule::kRestCorrelation)) whole.rest_information = &rest_information;
-  if (rules.on(FittingRule::kUnobservedProcessNoise)) whole.noise_scale = &noise_scale;
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& whole, double least_factor) {
+  const Rules& rules = whole.options.rules;
   const auto numbers = static_cast<std::size_t>(whole.frames()) * whole.state.joints();
   PoseUncertainty uncertainty;
   uncertainty.position_cov.assign(6 * numbers, 0.0F);
@@ -251,7 +233,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& window, double
   const std::vector<Vector3d>& prior = *known;
   if (whole.options.poses) {
     uncertainty.poses.frame.resize(static_cast<std::size_t>(whole.frames()));
-    uncertainty.poses.rest_sigma = *whole.rest_sigmas;
+    uncertainty.poses.rest_sigma = whole.rest_sigma;
   }
   Freedom freedom;
   Reader reader(whole, prior, uncertainty, freedom);

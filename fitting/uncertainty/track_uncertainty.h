@@ -8,11 +8,6 @@
 
 namespace mocurate {
 
-/// Factor on the stated variance, as the random walk allows for more than people do. Calibrated on synthetic takes
-/// (`bench_studio_fits`, `bench_keypoints`): the shares of errors within one and two sigma are then right. Source:
-/// bench_studio_fits 201, bench_keypoints 301 and 4711
-inline constexpr double kUncertaintyCalibration = 0.72;
-
 /// Uncertainty of a fit, and the share determined by evidence.
 struct PoseUncertainty {
   std::vector<float> position_cov;       ///< (F*J*6) of joints in the world, xx xy xz yy yz zz, m^2
@@ -24,14 +19,14 @@ struct PoseUncertainty {
 
 /// Uncertainty of a solved fit: diagonal blocks of the inverse of the Gauss-Newton matrix at the solution (selected
 /// inversion, memory bounded by a window). The part from evidence is scaled by the a-posteriori variance and
-/// calibrated. `window` is the whole clip. A rotation vector's error is given in the joint's frame, J_r dw. The prior
-/// variance of a rotation is that of rest pose and random walk without evidence (RestInformationOfProcessNoise), at
+/// calibrated. `whole` is the whole clip. A rotation vector's error is given in the joint's frame, J_r dw. The prior
+/// variance of a rotation is that of rest pose and random walk without evidence (TrackProblem::RestInformation), at
 /// most the typical rotation; for the root that of a uniform angle, pi^2 / 3. No standard deviation is larger.
 /// Directions without evidence, such as the twist of a straight limb, keep their prior variance: observed 0. Bones that
 /// the tracks show count as exact; the others add the variation between bodies (CovarianceOfBody). Persistent residuals
 /// add theirs (PersistentResidualCovariance). After 0.6 s without observation, standard deviations grow with the gap's
 /// length (FindGapInflation). The a-posteriori variance is at least `least_factor`, for noise that residuals do not
 /// show. Error kInconsistent if the matrix cannot be factored.
-Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& window, double least_factor = 0.0);
+Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& whole, double least_factor = 0.0);
 
 }  // namespace mocurate

@@ -67,8 +67,7 @@ StillError Compare(const FitResult& fit, const Motion& truth) {
   }
   error.joints = MeanJointError(motion.joints, truth.joints);
   error.sigma = std::sqrt(variance);
-  for (const Finding& finding : fit.findings)
-    error.ambiguous = error.ambiguous || finding.code == "ambiguous_pose" || finding.code == "facing_ambiguous";
+  for (const Finding& finding : fit.findings) error.ambiguous = error.ambiguous || finding.code == kAmbiguousPose;
   error.exchanged = MeanJointError(exchanged, truth.joints);
   error.pelvis = AngleBetween(motion.rotation_at(0, 0), truth.rotation_at(0, 0));
   const int neck = *truth.skeleton->FindJoint("neck");

@@ -8,6 +8,7 @@
 #include "core/motion/skeleton.h"
 #include "fitting/clouds/cloud_terms.h"
 #include "fitting/solver/pose_equations.h"
+#include "fitting/solver/rest_sigmas.h"
 
 namespace mocurate {
 namespace {
@@ -24,6 +25,7 @@ class Chain : public testing::Test {
         truth_(*skeleton_, kFrames, skeleton_->RestBoneLengths(), body_.MovingJoints()) {
     Random random(11, "chain");
     options_.solver = PoseSolver::kBanded;
+    options_.rules.SwitchOff(FittingRule::kBodyErrors);  // the body is exact
     const int shoulder = *skeleton_->FindJoint("left_shoulder");
     for (int f = 0; f < kFrames; ++f) {
       Eigen::Map<Vector3d>(truth_.translation(f)) = Vector3d(0.1, 0.9, 0.03 * f);
@@ -76,7 +78,7 @@ class Chain : public testing::Test {
   }
 
   /// Twice: points are weighed by how far they are from the first poses.
-  std::vector<CloudUncertainty> Smoothed(PoseState& state) {
+  std::vector<PosePosterior> Smoothed(PoseState& state) {
     EXPECT_TRUE(SmoothChain(body_, clouds_, chain_, time_s_, options_, state));
     auto smoothed = SmoothChain(body_, clouds_, chain_, time_s_, options_, state);
     EXPECT_TRUE(smoothed) << smoothed.error().Message();
@@ -96,13 +98,14 @@ class Chain : public testing::Test {
 /// A neighbour that is known exactly says most, a neighbour that is estimated less, none least.
 TEST_F(Chain, StatesMoreThanAFrameAloneAndLessThanBesideKnownNeighbours) {
   PoseState state = Start();
-  const std::vector<CloudUncertainty> smoothed = Smoothed(state);
+  const std::vector<PosePosterior> smoothed = Smoothed(state);
   for (int f = 1; f + 1 < kFrames; ++f) {
     FrameFit fit = chain_[static_cast<std::size_t>(f)];
     const double sigma = 0.003;  // that of points on the capsules themselves, the smallest
-    const auto alone = UncertaintyOfFrame(body_, clouds_[static_cast<std::size_t>(f)], fit, sigma, state, options_);
+    const auto alone = UncertaintyOfFrame(body_, clouds_[static_cast<std::size_t>(f)], fit, sigma, {}, state, options_);
     fit.held = {{-1, kStep_s}, {1, kStep_s}};
-    const auto beside = UncertaintyOfFrame(body_, clouds_[static_cast<std::size_t>(f)], fit, sigma, state, options_);
+    const auto beside =
+        UncertaintyOfFrame(body_, clouds_[static_cast<std::size_t>(f)], fit, sigma, {}, state, options_);
     ASSERT_TRUE(alone && beside);
     for (std::size_t j = 0; j < alone->position.size(); ++j) {
       const double stated = smoothed[static_cast<std::size_t>(f)].position[j].trace();
@@ -116,7 +119,7 @@ TEST_F(Chain, NeighboursSayWhereAHiddenArmIs) {
   const auto wrist = static_cast<std::size_t>(*skeleton_->FindJoint("left_wrist"));
   const std::size_t middle = kFrames / 2;
   PoseState state = Start();
-  const std::vector<CloudUncertainty> smoothed = Smoothed(state);
+  const std::vector<PosePosterior> smoothed = Smoothed(state);
   const double off =
       (state.position(middle, static_cast<int>(wrist)) - truth_.position(middle, static_cast<int>(wrist))).norm();
   EXPECT_LT(off, 0.03);
@@ -145,11 +148,11 @@ TEST_F(Chain, AnArmThatIsNeverSeenIsAsUncertainAsThePrior) {
     state.SetFrameParameters(f, truth_.FrameParameters(kFrames / 2));
   }
   state.Update(0, state.frames(), true);
-  const std::vector<CloudUncertainty> stated = Smoothed(state);
+  const std::vector<PosePosterior> stated = Smoothed(state);
   for (const int f : {0, 30, 59}) {
     for (const int joint : {shoulder, elbow}) {
       const auto j = static_cast<std::size_t>(joint);
-      EXPECT_GT(stated[static_cast<std::size_t>(f)].rotation[j].minCoeff(), 0.95 * stated[0].prior[j]) << f;
+      EXPECT_GT(stated[static_cast<std::size_t>(f)].rotation[j].minCoeff(), 0.95 * stated[0].prior[j].x()) << f;
     }
   }
 }
@@ -179,7 +182,7 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
       distances.push_back(match.distance);
     sigma.push_back(RobustSigma(distances));
   }
-  const std::vector<CloudUncertainty> stated = Smoothed(state);
+  const std::vector<PosePosterior> stated = Smoothed(state);
 
   PoseEquations equations(state);
   std::vector<PoseTerms> terms;
@@ -188,6 +191,9 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
     terms.back().frames = {TermsOfFit(body_, clouds_[f], chain_[f],
                                       MatchPoints(body_, state, f, clouds_[f], options_.max_distance), sigma[f],
                                       options_)};
+    for (JointPrior& prior : terms.back().frames[0].priors)  // the rest pose counts once
+      prior.rest *=
+          kRestAtAnEnd + RestShareOfStep(prior.rest, 1.0 / (Square(options_.priors.rotation_noise) * kStep_s));
   }
   const PoseColumns& columns = equations.columns();
   const Eigen::Index n = columns.size();
@@ -223,8 +229,8 @@ TEST_F(Chain, OfTwoFramesIsTheMinimumAndTheInverseOfDenseEquations) {
   const Eigen::VectorXd step = (covariance * gradient).cwiseQuotient(covariance.diagonal().cwiseSqrt());
   EXPECT_LT(step.cwiseAbs().maxCoeff(), 0.5);
   for (int f = 0; f < 2; ++f) {
-    const CloudUncertainty dense = UncertaintyOfCovariance(
-        columns, *skeleton_, f, Eigen::MatrixXd(covariance.block(f * n, f * n, n, n)), state, options_);
+    const PosePosterior dense = PosteriorOf(columns, state, f, Eigen::MatrixXd(covariance.block(f * n, f * n, n, n)),
+                                            PriorInClouds(*skeleton_, options_));
     for (std::size_t j = 0; j < dense.position.size(); ++j)
       EXPECT_NEAR(stated[f].position[j].trace(), dense.position[j].trace(), 0.1 * dense.position[j].trace()) << j;
   }

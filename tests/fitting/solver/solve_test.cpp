@@ -81,11 +81,9 @@ TEST_F(TracksOfATake, MatchesCeresWithHingesProcessNoiseAndRestSigmas) {
   ProcessNoiseScale scale = ProcessNoiseScale::Ones(take_.tracks.confidence.size());
   for (double& value : scale.rotation) value = random.Uniform(0.3, 3.0);
   for (double& value : scale.position) value = random.Uniform(0.3, 3.0);
-  std::vector<double> rest;
-  for (int j = 0; j < take_.tracks.joints(); ++j) rest.push_back(random.Uniform(0.2, 2.0));
   TrackProblem problem(take_.tracks, *state_, kSigma, options_);
   problem.noise_scale = &scale;
-  problem.rest_sigmas = &rest;
+  for (double& sigma : problem.rest_sigma) sigma = random.Uniform(0.2, 2.0);
   const PoseTerms terms = problem.Terms(0, 6, false);
   ExpectSameEquations(terms, *state_);
   ExpectDerivatives(terms, *state_, 1e-5, 1e-6);

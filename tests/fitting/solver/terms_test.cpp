@@ -116,7 +116,7 @@ TEST(PriorValues, OfThePlans) {
     return std::vector<double>{of.rest,           of.limit,          of.hinge,
                                of.rotation_noise, of.position_noise, of.all_joints ? 1.0 : 0.0};
   };
-  EXPECT_EQ(values(tracks), (std::vector<double>{3.3, 0.5, 0.25, 0.55, 0.33, 1.0}));
+  EXPECT_EQ(values(tracks), (std::vector<double>{1.0, 0.5, 0.25, 0.55, 0.33, 1.0}));
   EXPECT_EQ(values(clouds), (std::vector<double>{1.0, 0.1, 0.0, 0.55, 0.33, 0.0}));
 }
 

@@ -33,7 +33,7 @@ TEST(JointTrackFit, RecoversNoiseFreeTracks) {
   const PlayedTake take = SmoothTake(60);
   EXPECT_LT(LargestError(FitTake(take).motion.joints, take.truth.joints), 5e-4);  // half of the assumed noise
   const FitResult fit = FitTake(take, Tight());
-  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 1e-4);
+  EXPECT_LT(LargestError(fit.motion.joints, take.truth.joints), 2e-4);  // the rest pose beside noise of 1 mm
   EXPECT_TRUE(fit.converged);
   EXPECT_TRUE(fit.motion.Check().has_value()) << fit.motion.Check().error().Message();
   EXPECT_EQ(fit.motion.bone_length, take.truth.bone_length);
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(JointTrackFit, AnyPosture,
 TEST_P(AnyPosture, ConvergesUpsideDownAndLying) {
   PlayedTake take = SmoothTake(40, ExpQuaternion(GetParam()));
   const FitResult clean = FitTake(take, Tight());
-  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 1e-4);
+  EXPECT_LT(LargestError(clean.motion.joints, take.truth.joints), 2e-4);
   AddNoise(take.tracks, 0.01, 5);
   EXPECT_LT(RmsError(FitTake(take).motion.joints, take.truth.joints), 0.012);
 }

@@ -1,0 +1,147 @@
+#include "fitting/uncertainty/body_response.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace mocurate {
+namespace {
+
+constexpr int kOfCapsule = 7;  ///< numbers of a capsule: its ends and its radius
+
+/// Couples the rows of a frame with the body.
+struct Coupling {
+  std::vector<Matrix6d> bodies;                                  ///< (J) information of what a joint carries
+  std::vector<Matrix3d> points;                                  ///< (J) of the joint's own observations
+  std::vector<Eigen::Matrix<double, 6, kOfCapsule>> capsules{};  ///< of its points between carrier and capsule
+  const PoseState& state;
+  int frame;
+
+  void operator()(const BodyRows<1>& row) {
+    const double slope = row.Slope();
+    bodies[static_cast<std::size_t>(row.carrier)].noalias() += slope * row.a.transpose() * row.a;
+    const Vector3d pull = state.global(frame, row.carrier).transpose() * row.a.head<3>().transpose();
+    Eigen::Matrix<double, 1, kOfCapsule> of_capsule;
+    of_capsule << (1.0 - row.place) * pull.transpose(), row.place * pull.transpose(), -pull.norm();
+    capsules[static_cast<std::size_t>(row.source)].noalias() += slope * row.a.transpose() * of_capsule;
+  }
+  void operator()(const BodyRows<3>& rows) {
+    bodies[static_cast<std::size_t>(rows.carrier)].noalias() += rows.Slope() * rows.a.transpose() * rows.a;
+    if (rows.source < 0) return;
+    points[static_cast<std::size_t>(rows.source)].noalias() +=
+        rows.Slope() * rows.a.leftCols<3>().transpose() * rows.a.leftCols<3>();
+  }
+  template <int K>
+  void operator()(const JointRows<K>&) {}
+  void operator()(const PoseRows&) {}
+};
+
+}  // namespace
+
+BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int index,
+                           const BodyDeviations& deviations) {
+  const auto joints = static_cast<std::size_t>(state.joints());
+  const int frame = terms.frames[static_cast<std::size_t>(index)].frame;
+  PoseTerms of_frame{
+      {terms.frames[static_cast<std::size_t>(index)]}, terms.body, terms.huber, terms.limit, terms.hinge};
+  of_frame.frames.front().next = {};
+  PoseEquations equations(state);
+  const PoseColumns& columns = equations.columns();
+  BlockTridiagonal information(1, columns.size());
+  equations.Linearise(of_frame, state, information);
+  position_.assign(joints, Matrix3d::Zero());
+  rotation_.assign(joints, Matrix3d::Zero());
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(information.Diagonal(0));
+  known_ = factor.info() == Eigen::Success;
+  if (!known_) return;
+
+  Coupling sums{std::vector<Matrix6d>(joints, Matrix6d::Zero()),
+                std::vector<Matrix3d>(joints, Matrix3d::Zero()),
+                {},
+                state,
+                frame};
+  const std::size_t capsules = terms.body != nullptr ? terms.body->capsules.size() : 0;
+  sums.capsules.assign(capsules, Eigen::Matrix<double, 6, kOfCapsule>::Zero());
+  VisitFrame<true>(of_frame, state, 0, sums);
+  for (std::size_t j = joints - 1; j > 0; --j)
+    sums.bodies[static_cast<std::size_t>(state.parent(static_cast<int>(j)))] += sums.bodies[j];
+
+  std::vector<Twist> twist(joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (columns.of(static_cast<int>(j)) >= 0) twist[j] = TwistOf(state, frame, static_cast<int>(j));
+  }
+  // Columns: three of each bone that is not exact, along the world's axes, then those of the capsules with points.
+  std::vector<int> bone(joints, -1);
+  int count = 0;
+  for (std::size_t j = 1; j < joints; ++j) {
+    if (!(deviations.bone[j] > 0.0)) continue;
+    bone[j] = count;
+    count += 3;
+  }
+  std::vector<int> capsule(capsules, -1);
+  for (std::size_t c = 0; c < capsules; ++c) {
+    if (sums.capsules[c].isZero(0.0)) continue;
+    capsule[c] = count;
+    count += kOfCapsule;
+  }
+  Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(columns.size(), count);
+  for (std::size_t j = 1; j < joints; ++j) {
+    if (bone[j] < 0) continue;
+    const int joint = static_cast<int>(j);
+    Eigen::Matrix<double, 6, 3> moved = sums.bodies[j].leftCols<3>();  // by the twist of what is above the bone
+    moved.topRows<3>() += sums.points[j];
+    moved.bottomRows<3>() += Hat(state.position(frame, joint) - state.position(frame, 0)) * sums.points[j];
+    moved *= deviations.bone[j];
+    coupled.block<3, 3>(0, bone[j]) = moved.topRows<3>();
+    for (const int a : state.path(joint))
+      coupled.block<3, 3>(columns.of(a), bone[j]).noalias() = twist[static_cast<std::size_t>(a)].transpose() * moved;
+    for (std::size_t below = j; below < joints; ++below) {
+      const int column = columns.of(static_cast<int>(below));
+      if (column < 0) continue;
+      bool carried = below == j;
+      for (const int on : state.bones(static_cast<int>(below))) carried = carried || on == joint;
+      if (!carried) continue;
+      coupled.block<3, 3>(column, bone[j]).noalias() =
+          deviations.bone[j] * twist[below].transpose() * sums.bodies[below].leftCols<3>();
+    }
+  }
+  for (std::size_t c = 0; c < capsules; ++c) {
+    if (capsule[c] < 0) continue;
+    Eigen::Matrix<double, 6, kOfCapsule> moved = sums.capsules[c];
+    moved.leftCols<6>() *= deviations.capsule_end;
+    moved.rightCols<1>() *= deviations.capsule_radius;
+    const int carrier = terms.body->capsules[c].frame;
+    coupled.block<3, kOfCapsule>(0, capsule[c]) = moved.topRows<3>();
+    const auto couple = [&](int joint) {
+      if (columns.of(joint) >= 0)
+        coupled.block<3, kOfCapsule>(columns.of(joint), capsule[c]).noalias() =
+            twist[static_cast<std::size_t>(joint)].transpose() * moved;
+    };
+    for (const int a : state.path(carrier)) couple(a);
+    couple(carrier);
+  }
+  const Eigen::MatrixXd response = -factor.solve(coupled);
+
+  // Twists of the bodies, and places of the joints, per standard deviation.
+  std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> moved(joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int joint = static_cast<int>(j), parent = state.parent(joint);
+    moved[j] =
+        parent < 0 ? Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, count) : moved[static_cast<std::size_t>(parent)];
+    if (parent < 0) moved[j].topRows<3>() = response.topRows<3>();
+    Eigen::Matrix<double, 3, Eigen::Dynamic> place =
+        PointMotion(state.position(frame, joint) - state.position(frame, 0)) * moved[j];
+    if (bone[j] >= 0) {
+      place.middleCols<3>(bone[j]) += deviations.bone[j] * Matrix3d::Identity();
+      moved[j].block<3, 3>(0, bone[j]) += deviations.bone[j] * Matrix3d::Identity();
+    }
+    position_[j].noalias() = place * place.transpose();
+    if (const int column = columns.of(joint); column >= 0) {
+      const Eigen::Matrix<double, 3, Eigen::Dynamic> turned =
+          state.right_jacobian(frame, joint) * response.middleRows<3>(column);
+      rotation_[j].noalias() = turned * turned.transpose();
+      moved[j].noalias() += twist[j] * response.middleRows<3>(column);
+    }
+  }
+}
+
+}  // namespace mocurate
