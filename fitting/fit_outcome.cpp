@@ -19,15 +19,16 @@
 #include "fitting/repair/track_repairs.h"
 #include "fitting/solver/body_size.h"
 #include "fitting/solver/joint_track_fit.h"
+#include "fitting/uncertainty/pose_posterior.h"
 
 namespace mocurate {
 namespace {
 
 /// A motion fitted to the joints of a given one is not more certain than that. Adds the given motion's stated
 /// covariances to those of `fitted`, which are relative to the given joints: of the same joints, else of the nearest
-/// parent that it has. Standard deviations of rotations likewise, for joints that both have. A sample that the given
-/// motion interpolated or inferred does not count as observed. Without stated uncertainties nothing changes. Both have
-/// the same frames; skeletons may differ.
+/// parent that it has. Variances of rotations likewise, for joints that both have, up to the prior's. A sample that the
+/// given motion interpolated or inferred does not count as observed. Without stated uncertainties nothing changes. Both
+/// have the same frames; skeletons may differ.
 void AddGivenUncertainty(const Motion& given, Motion& fitted) {
   const std::vector<int> match = MatchJoints(*given.skeleton, *fitted.skeleton);
   std::vector<int> nearest = match;
@@ -45,8 +46,8 @@ void AddGivenUncertainty(const Motion& given, Motion& fitted) {
       if (match[j] < 0) continue;
       if (!given.rotation_sigma.empty() && !fitted.rotation_sigma.empty()) {
         for (std::size_t i = 0; i < 3; ++i) {
-          float& sigma = fitted.rotation_sigma[3 * to + i];
-          sigma = std::hypot(sigma, given.rotation_sigma[3 * from + i]);
+          WidenRotation(Square(given.rotation_sigma[3 * from + i]), fitted.rotation_sigma[3 * to + i],
+                        fitted.rotation_observed[3 * to + i]);
         }
       }
       if (!given.state.empty() && !fitted.state.empty()) {

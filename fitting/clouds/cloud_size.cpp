@@ -130,7 +130,7 @@ class SizeSearch {
     for (std::size_t c = 0; c < clouds_.size(); ++c) {
       if (costs[c] > kMuchWorse * least * clouds_[c].size()) {
         if (Status on = StopIfInterrupted(kWork); !on) return Forward(on);
-        const auto start = FindStart(body, clouds_[c], 0, options_, state, StartSearch::kStancesAndLimbs);
+        const auto start = FindStart(body, clouds_[c], 0, options_, state, StartSearch::kUprightAndLimbs);
         if (!start) return Forward(start);
         if (start->cost < costs[c]) {
           costs[c] = start->cost;
@@ -287,7 +287,7 @@ std::vector<PosedSize> Scales(const Factors& factors, double from_height) {
 Expected<PosedSize> BestOfMany(const SizeSearch& search, double from_height) {
   std::vector<PosedSize> sizes = Scales(kStartFactors, from_height);
   const auto stances = [&](const PosedSize& size) -> Expected<PosedSize> {
-    const Expected<PosedSize> start = search.StartAt(size.scale, StartSearch::kStances);
+    const Expected<PosedSize> start = search.StartAt(size.scale, StartSearch::kUpright);
     return start ? search.Downhill(*start, kWideStep) : start;
   };
   if (Status ok = ImproveEach(sizes, 1, stances); !ok) return Forward(ok);
@@ -313,8 +313,8 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   for (const double usual : kUsualScales) {
     if (usual > kFactorsOfFew.back() * from_height) sizes.push_back({usual, 0.0, {}});
   }
-  const auto start = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStances); };
-  const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kStancesAndLimbs); };
+  const auto start = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kUpright); };
+  const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kUprightAndLimbs); };
   if (Status ok = ImproveEach(sizes, kLimbsOfScales, start); !ok) return Forward(ok);
   if (Status ok = ImproveEach(sizes, 1, limbs); !ok) return Forward(ok);
   Expected<PosedSize> refined = search.Downhill(sizes[0], kNarrowStep);
@@ -337,7 +337,7 @@ Expected<std::optional<PosedSize>> AmongAdults(const SizeSearch& search, const S
   std::optional<PosedSize> best;
   for (const double usual : kUsualScales) {
     if (!people.Has(usual)) continue;
-    const Expected<PosedSize> start = search.StartAt(usual, StartSearch::kStancesAndLimbs);
+    const Expected<PosedSize> start = search.StartAt(usual, StartSearch::kUprightAndLimbs);
     if (!start) return Forward(start);
     const Expected<PosedSize> found = search.Downhill(*start, kNarrowStep);
     if (!found) return Forward(found);

@@ -234,7 +234,7 @@ std::vector<Candidate> Starts(const CapsuleBody& body, const FusedCloud& cloud, 
   std::vector<Candidate> starts;
   for (const Stance& stance : Stances()) {
     const bool upright = stance.stands || stance.sits;
-    if (!IsWanted(stance, options.posture) || (search == StartSearch::kStances && !upright)) continue;
+    if (!IsWanted(stance, options.posture) || (search != StartSearch::kStancesAndLimbs && !upright)) continue;
     const bool given = options.facing && (ExpQuaternion(stance.root) * Vector3d::UnitZ()).z() > kHasHeading;
     const std::size_t headings = given ? kAboutTheFacing.size() : kHeadings;
     for (std::size_t h = 0; h < headings; ++h) {
@@ -298,7 +298,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
   candidates = Finalists(candidates, kFinalists);
   const FrameFit fit = ComparedFit(frame, options.iterations);
   if (Status refined = refine(cloud, fit, 0); !refined) return Forward(refined);
-  if (search == StartSearch::kStancesAndLimbs) {
+  if (search != StartSearch::kUpright) {
     Exchange(*body.skeleton, candidates[0].parameters, frame, state);
     candidates.push_back(CandidateOf(state, frame, 0.0, {}));
     if (Status refined = refine(cloud, fit, candidates.size() - 1); !refined) return Forward(refined);
@@ -319,7 +319,7 @@ Expected<CloudStart> FindStart(const CapsuleBody& body, const FusedCloud& cloud,
   state.Update(frame, frame + 1, false);
   if (best.contradicts)
     start.off_facing = std::abs(std::remainder(HeadingOf(state, frame) - *options.start.facing, 2.0 * kPi));
-  if (search == StartSearch::kStances) return start;
+  if (search != StartSearch::kStancesAndLimbs) return start;
   const std::vector<double> costs = PointCosts(body, cloud, fit, state, options);
   for (std::size_t i = 1; i < candidates.size(); ++i) {
     if (candidates[i].contradicts || JointsApart(candidates[i], best) < kDistinctPose) continue;

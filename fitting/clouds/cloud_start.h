@@ -41,8 +41,9 @@ double HeadingOf(const PoseState& state, int frame);
 
 /// Extent of a search for a first pose.
 enum class StartSearch {
-  kStances,         ///< upright stances only, for sizes: a larger body that is bent explains the same points
-  kStancesAndLimbs  ///< all stances, then arms and legs one by one (SearchLimbs)
+  kUpright,          ///< upright stances only, for sizes: a larger body that is bent explains the same points
+  kUprightAndLimbs,  ///< then arms and legs one by one (SearchLimbs)
+  kStancesAndLimbs   ///< all stances, then arms and legs
 };
 
 /// Searches the pose of a frame for which only `options.start` is known; writes it to the state. Fits start from some

@@ -21,11 +21,6 @@
 #include "fitting/uncertainty/calibration.h"
 
 namespace mocurate {
-namespace {
-
-constexpr double kRadiusShare = 2.0 / 3.0;  ///< of kCapsuleSigma: deviation of a radius
-
-}  // namespace
 
 BodyDeviations DeviationsInClouds(const Skeleton& skeleton, double scale, double bones, const Rules& rules) {
   BodyDeviations deviations{std::vector<double>(skeleton.joints.size(), 0.0)};
@@ -34,7 +29,7 @@ BodyDeviations DeviationsInClouds(const Skeleton& skeleton, double scale, double
   for (int j = 1; j < skeleton.joint_count(); ++j)
     deviations.bone[static_cast<std::size_t>(j)] = bones * scale * SpreadOfBone(skeleton, j);
   deviations.capsule_end = scale * kCapsuleSigma;
-  deviations.capsule_radius = kRadiusShare * scale * kCapsuleSigma;
+  deviations.capsule_radius = scale * kCapsuleSigma / 1.5;
   return deviations;
 }
 

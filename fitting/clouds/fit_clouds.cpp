@@ -189,25 +189,21 @@ void ReportPointsOffTheBody(const CloudTrack& track, const PointCloudOptions& op
                   FindingAction::kKept));
 }
 
-/// Fit of a clip from one first pose.
-struct FitOfStart {
-  CloudTrack track;
-  SmoothedTrack smoothed;
-};
+using FitOfStart = std::pair<CloudTrack, SmoothedTrack>;  ///< from one first pose
 
 /// Cost of one fit less that of the other, over moments that are independent.
 CostDifference Compare(const FitOfStart& one, const FitOfStart& other, const std::vector<double>& time_s,
                        const PointCloudOptions& options) {
   CostDifference difference;
   double last = -kComparedEvery_s;
-  for (const FrameFit& frame : one.smoothed.chain) {
+  for (const FrameFit& frame : one.second.chain) {
     const auto f = static_cast<std::size_t>(frame.frame);
-    if (time_s[f] - last < kComparedEvery_s || other.track.outcomes[f].iterations == 0) continue;
+    if (time_s[f] - last < kComparedEvery_s || other.first.outcomes[f].iterations == 0) continue;
     last = time_s[f];
     const FrameFit fit = ComparedFit(frame.frame, options.iterations);
-    const FusedCloud& cloud = one.track.clouds[f];
-    difference += Compare(cloud, PointCosts(one.track.body, cloud, fit, one.track.state, options),
-                          PointCosts(other.track.body, cloud, fit, other.track.state, options));
+    const FusedCloud& cloud = one.first.clouds[f];
+    difference += Compare(cloud, PointCosts(one.first.body, cloud, fit, one.first.state, options),
+                          PointCosts(other.first.body, cloud, fit, other.first.state, options));
   }
   return difference;
 }
@@ -299,32 +295,33 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   if (!best) return Forward(best);
   std::optional<FitOfStart> other;
   double chance = 0.0, apart = 0.0;
-  const CloudStart start = best->track.start;
+  const CloudStart start = best->first.start;
   for (std::size_t i = 0; i < std::min(start.others.size(), kOthersFitted); ++i) {
-    Expected<FitOfStart> second = fit(best->track.clouds, &start.others[i]);
-    if (!second) return Forward(second);
+    Expected<FitOfStart> second = fit(best->first.clouds, &start.others[i]);
+    if (!second && second.error().code == ErrorCode::kInterrupted) return Forward(second);
+    if (!second) continue;
     CostDifference more = Compare(*second, *best, clock.time_s, options);
     if (more.sum < 0.0) {
       std::swap(*second, *best);
       more.sum = -more.sum;
     }
-    apart = JointsApart(second->track.state, best->track.state);
+    apart = JointsApart(second->first.state, best->first.state);
     if (apart < kDistinctPose || more.sum >= kClearlyWorse * more.sigma()) continue;
     chance = ChanceOfOther(more);
     other = *std::move(second);
     break;
   }
-  best->track.start = start;
-  CloudTrack* const track = &best->track;
-  SmoothedTrack* const smoothed = &best->smoothed;
+  best->first.start = start;
+  CloudTrack* const track = &best->first;
+  SmoothedTrack* const smoothed = &best->second;
   if (other && options.uncertainty) {
     for (std::size_t i = 0; i < smoothed->chain.size(); ++i) {
       const int f = smoothed->chain[i].frame;
-      const auto same = std::find_if(other->smoothed.chain.begin(), other->smoothed.chain.end(),
+      const auto same = std::find_if(other->second.chain.begin(), other->second.chain.end(),
                                      [&](const FrameFit& frame) { return frame.frame == f; });
-      if (same == other->smoothed.chain.end()) continue;
-      const auto at = static_cast<std::size_t>(same - other->smoothed.chain.begin());
-      CoverOther(track->state, other->track.state, f, chance, other->smoothed.smoothed.uncertainty[at],
+      if (same == other->second.chain.end()) continue;
+      const auto at = static_cast<std::size_t>(same - other->second.chain.begin());
+      CoverOther(track->state, other->first.state, f, chance, other->second.smoothed.uncertainty[at],
                  smoothed->smoothed.uncertainty[i]);
     }
   }
@@ -336,7 +333,7 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   result.initial_cost = smoothed->smoothed.initial_cost;
   result.final_cost = smoothed->smoothed.final_cost;
   if (options.uncertainty) AddUncertainty(*smoothed, shown, result);
-  if (other) ReportAmbiguous(chance, apart, other->track.state, result);
+  if (other) ReportAmbiguous(chance, apart, other->first.state, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);
   ReportUnobservedLimbs(shown, result);

@@ -9,6 +9,7 @@
 #include "core/motion/kinematics.h"
 #include "core/motion/limbs.h"
 #include "fitting/solver/track_problem.h"
+#include "fitting/uncertainty/pose_posterior.h"
 
 namespace mocurate {
 namespace {
@@ -221,9 +222,9 @@ void StateChange(const Motion& before, Motion& after) {
     if (!after.rotation_sigma.empty()) {
       const Vector3d rotation_change = LogQuaternion(before.rotation[i].conjugate() * after.rotation[i]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        float& sigma = after.rotation_sigma[3 * i + axis];
-        sigma = static_cast<float>(
-            std::hypot(static_cast<double>(sigma), rotation_change[static_cast<Eigen::Index>(axis)]));
+        float none = 1.0F;
+        WidenRotation(Square(rotation_change[static_cast<Eigen::Index>(axis)]), after.rotation_sigma[3 * i + axis],
+                      after.rotation_observed.empty() ? none : after.rotation_observed[3 * i + axis]);
       }
     }
     if (!after.state.empty() && after.state[i] == JointState::kObserved && shift.norm() > kMoved) {

@@ -1,10 +1,18 @@
 #include "fitting/uncertainty/pose_posterior.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
 namespace mocurate {
+
+Vector3d RotationVariance(const PoseState& state, int frame, int joint, const Eigen::MatrixXd& covariance, int column) {
+  const Matrix3d& jacobian = state.right_jacobian(frame, joint);
+  return (jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
+}
 
 PosePosterior PosteriorOf(const PoseColumns& columns, const PoseState& state, int frame,
                           const Eigen::MatrixXd& covariance, std::vector<Vector3d> prior) {
@@ -17,13 +25,18 @@ PosePosterior PosteriorOf(const PoseColumns& columns, const PoseState& state, in
     const Matrix36d derivative = twists.PositionDerivative(j);
     posterior.position.emplace_back(derivative * carrier[at] * derivative.transpose());
     const int column = columns.of(j);
-    if (column < 0) continue;
-    const Matrix3d& jacobian = state.right_jacobian(frame, j);
-    const Matrix3d variance = jacobian * covariance.block<3, 3>(column, column) * jacobian.transpose();
-    posterior.rotation[at] = variance.diagonal().cwiseMin(prior[at]);
+    if (column >= 0) posterior.rotation[at] = RotationVariance(state, frame, j, covariance, column).cwiseMin(prior[at]);
   }
   posterior.prior = std::move(prior);
   return posterior;
+}
+
+void WidenRotation(double variance, float& sigma, float& observed) {
+  const double own = static_cast<double>(sigma) * sigma;
+  const double prior = observed < 1.0F ? own / (1.0 - observed) : kUnknownAngle;
+  const double wider = std::max(own, std::min(own + variance, prior));
+  sigma = static_cast<float>(std::sqrt(wider));
+  observed = static_cast<float>(std::clamp(1.0 - wider / prior, 0.0, static_cast<double>(observed)));
 }
 
 void Add(const BodyResponse& response, PosePosterior& posterior) {

@@ -7,6 +7,7 @@
 #include "fitting/uncertainty/body_sigma.h"
 #include "fitting/uncertainty/calibration.h"
 #include "fitting/uncertainty/frame_covariances.h"
+#include "fitting/uncertainty/pose_posterior.h"
 #include "fitting/uncertainty/variance_inflation.h"
 
 namespace mocurate {
@@ -19,13 +20,6 @@ constexpr double kPositiveFactor = 1e-6;
 constexpr double kSmallestShare = 0.2;  ///< of an observation's three coordinates that count as redundant, at least
 
 constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes (numerical)
-
-/// Variance of a joint's rotation about the axes of its frame, rad^2.
-Vector3d RotationVariance(const PoseState& state, const FrameCovariance& of_frame, int joint) {
-  const int column = of_frame.columns.of(joint);
-  const Matrix3d& jacobian = state.right_jacobian(of_frame.frame, joint);
-  return (jacobian * of_frame.own.block<3, 3>(column, column) * jacobian.transpose()).diagonal();
-}
 
 /// Variance of a joint's rotation per axis of its frame without evidence (F*J): that of the same equations (rest pose,
 /// limits, hinges, process noise) where every joint is seen with a sigma of 1e4 times its own, which only keeps the
@@ -49,7 +43,7 @@ Expected<std::vector<Vector3d>> PriorVariance(const TrackProblem& whole) {
       Vector3d variance =
           Vector3d::Constant(j == 0 ? kUnknownAngle : Square(whole.rest_sigma[static_cast<std::size_t>(j)]));
       if (const int column = of_frame.columns.of(j); j > 0 && column >= 0)
-        variance = variance.cwiseMin(RotationVariance(whole.state, of_frame, j));
+        variance = variance.cwiseMin(RotationVariance(whole.state, of_frame.frame, j, of_frame.own, column));
       prior[whole.Index(of_frame.frame, j)] = variance;
     }
   });
@@ -72,17 +66,20 @@ class Reader {
 
   void Read(const FrameCovariance& of_frame) {
     const PoseState& state = window_.state;
-    const Eigen::MatrixXd& covariance = of_frame.own;
     const int frame = of_frame.frame;
-    const TwistPropagation twists(state, of_frame.columns, frame);
-    const std::vector<Matrix6d> carrier = twists.CovarianceWith(twists, covariance);
+    const auto first = prior_.begin() + static_cast<std::ptrdiff_t>(window_.Index(frame, 0));
+    const PosePosterior posterior =
+        PosteriorOf(of_frame.columns, state, frame, of_frame.own, {first, first + state.joints()});
     if (window_.options.poses) WritePose(of_frame);
     for (int j = 0; j < state.joints(); ++j) {
-      const std::size_t at = static_cast<std::size_t>(frame) * state.joints() + j;
-      const auto derivative = twists.PositionDerivative(j);
-      const Matrix3d position = derivative * carrier[j] * derivative.transpose();
+      const std::size_t at = window_.Index(frame, j);
+      const Matrix3d& position = posterior.position[j];
       ToSixNumbers(position, out_.position_cov.data() + 6 * at);
-      WriteRotation(of_frame, at, j);
+      for (int i = 0; i < 3; ++i) {
+        const double variance = posterior.rotation[j][i];
+        out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(variance));
+        out_.rotation_observed[3 * at + i] = static_cast<float>(1.0 - variance / posterior.prior[j][i]);
+      }
       if (!window_.tracks.seen(frame, j)) continue;
       const Matrix3d information = window_.RobustInformation(frame, j);
       const Vector3d away = state.position(frame, j) - window_.tracks.positions.at(frame, j);
@@ -108,16 +105,6 @@ class Reader {
       const Matrix3d& jacobian = window_.state.right_jacobian(of_frame.frame, j);
       covariance.middleRows<3>(column) = (jacobian * covariance.middleRows<3>(column)).eval();
       covariance.middleCols<3>(column) = (covariance.middleCols<3>(column) * jacobian.transpose()).eval();
-    }
-  }
-
-  void WriteRotation(const FrameCovariance& of_frame, std::size_t at, int joint) {
-    const Vector3d& prior = prior_[at];
-    Vector3d variance = prior;
-    if (of_frame.columns.of(joint) >= 0) variance = RotationVariance(window_.state, of_frame, joint).cwiseMin(prior);
-    for (int i = 0; i < 3; ++i) {
-      out_.rotation_sigma[3 * at + i] = static_cast<float>(std::sqrt(std::min(variance[i], kUnknownAngle)));
-      out_.rotation_observed[3 * at + i] = static_cast<float>(std::clamp(1.0 - variance[i] / prior[i], 0.0, 1.0));
     }
   }
 
@@ -195,7 +182,7 @@ void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, dou
 
 /// Adds the covariance of frame orientations between bodies, the joint's own and its parent's, to rotations that
 /// evidence determines.
-void AddFrameOrientations(const TrackProblem& whole, const std::vector<Vector3d>& prior, PoseUncertainty& uncertainty) {
+void AddFrameOrientations(const TrackProblem& whole, PoseUncertainty& uncertainty) {
   const std::vector<Matrix3d> frame_covariance = FrameOrientationCovariance(whole);
   for (int f = 0; f < whole.frames(); ++f) {
     for (int j = 0; j < whole.state.joints(); ++j) {
@@ -206,13 +193,7 @@ void AddFrameOrientations(const TrackProblem& whole, const std::vector<Vector3d>
         added += parent_from_joint.transpose() * frame_covariance[parent] * parent_from_joint;
       }
       for (int i = 0; i < 3; ++i) {
-        float& observed = uncertainty.rotation_observed[3 * at + i];
-        if (observed == 0.0F) continue;
-        float& sigma = uncertainty.rotation_sigma[3 * at + i];
-        const double most = prior[at][i];
-        const double variance = std::min(static_cast<double>(sigma) * sigma + added(i, i), most);
-        sigma = static_cast<float>(std::sqrt(variance));
-        observed = static_cast<float>(1.0 - variance / most);
+        WidenRotation(added(i, i), uncertainty.rotation_sigma[3 * at + i], uncertainty.rotation_observed[3 * at + i]);
       }
     }
   }
@@ -252,7 +233,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& whole, double 
     if (rules.on(FittingRule::kPersistentResiduals)) persistent = PersistentResidualCovariance(whole, factor);
     for (std::size_t i = 0; i < persistent.size(); ++i) uncertainty.position_cov[i] += persistent[i];
   }
-  if (rules.on(FittingRule::kFrameOrientation)) AddFrameOrientations(whole, prior, uncertainty);
+  if (rules.on(FittingRule::kFrameOrientation)) AddFrameOrientations(whole, uncertainty);
   std::vector<float> of_body;
   if (rules.on(FittingRule::kBodyCovariance)) of_body = CovarianceOfBody(whole);
   for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];

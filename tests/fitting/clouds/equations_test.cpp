@@ -159,7 +159,7 @@ TEST_F(Cloud, TheCostFallsFromMatchingToMatching) {
     for (int i = 0; i < 12; ++i) {
       ASSERT_TRUE(FitCloudFrame(body_, cloud_, fit, state, options_));
       const double after = PoseCost(body_, cloud_, fit, state, options_);
-      EXPECT_LE(after, 1.003 * before) << "matching " << i;  // normals select matches too
+      EXPECT_LE(after, 1.005 * before) << "matching " << i;  // normals, which are no cost, select matches too
       before = after;
     }
     EXPECT_LT(before, 0.5 * first);

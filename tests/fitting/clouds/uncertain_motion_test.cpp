@@ -42,5 +42,17 @@ TEST(UncertainMotion, JointsThatDoNotMoveKeepTheirRotation) {
   EXPECT_NEAR(motion.rotation_sigma[3], std::sqrt(0.2), 1e-6);
 }
 
+TEST(WidenRotation, IsAtMostThePriorAndLowersWhatIsObserved) {
+  float sigma = 0.2F, observed = 0.84F;  // of a prior of 0.25 rad^2
+  WidenRotation(0.06, sigma, observed);
+  EXPECT_NEAR(sigma * sigma, 0.1, 1e-6);
+  EXPECT_NEAR(observed, 0.6, 1e-6);
+  WidenRotation(4.0, sigma, observed);
+  EXPECT_NEAR(sigma, 0.5, 1e-6);
+  EXPECT_NEAR(observed, 0.0, 1e-6);
+  WidenRotation(4.0, sigma, observed);
+  EXPECT_NEAR(sigma, 0.5, 1e-6) << "nothing is left to lose";
+}
+
 }  // namespace
 }  // namespace mocurate
