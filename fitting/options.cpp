@@ -251,10 +251,10 @@ std::vector<std::string> ChooseProportionClips(std::vector<std::string> clip_ids
   return chosen;
 }
 
-StageDeclaration RigDeclaration() { return {"rig", 3, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration RigDeclaration() { return {"rig", 4, "mocurate-annotate", SolverLimits()}; }
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 38, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 63, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 64, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -37,8 +37,8 @@ constexpr const char* kRigComment =
     "# verdict: kept, corrected, ambiguous (this camera or another one differs from its calibration), reported (it\n"
     "# differs, and the options only report that), or not_audited (the takes do not allow an audit).\n"
     "# confidence: of the correction, 0 to 1; null: nothing of it was. confidence_of: takes (from the variation\n"
-    "# between takes), spans_of_one_take, which measures repeatability within that take and not the calibration, or\n"
-    "# model (a likelihood, as of a person's size). audit: the tests, and whether they correct.\n"
+    "# between takes), spans_of_one_take (of errors that last for the whole take it knows nothing), or model (a\n"
+    "# likelihood, as of a person's size). audit: the tests, and whether they correct.\n"
     "# place_covariance: uncertainty of people's positions from ambiguous poses, square metres.\n"
     "# takes: what was audited together, with the SHA-256 of the evidence and the verdicts of each take alone.\n";
 

@@ -241,7 +241,7 @@ std::size_t JudgeByTakes(const std::vector<std::vector<double>>& gains, RigCamer
   std::size_t worse = 0;
   for (const std::vector<double>& of_takes : gains) {
     if (of_takes.size() < 2) continue;
-    const double confidence = ConfidenceOfSeparate(of_takes, std::vector<double>(of_takes.size(), 0.0));
+    const double confidence = ConfidenceAboveZero(of_takes);
     camera.confidence = std::min(camera.confidence.value_or(1.0), confidence);
     const auto against = std::count_if(of_takes.begin(), of_takes.end(), [](double gain) { return gain < 0.0; });
     worse = std::max(worse, static_cast<std::size_t>(against));

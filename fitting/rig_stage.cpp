@@ -34,7 +34,7 @@ nlohmann::json RigSummary(const RigOfTakes& audited) {
                                    {"sides_exchanged", camera.sides_exchanged},
                                    {"pixel_scale", camera.pixel_scale},
                                    {"unit_scale", camera.unit_scale}};
-    if (camera.confidence) cameras[camera.camera.name]["confidence"] = std::round(1e4 * *camera.confidence) / 1e4;
+    if (camera.confidence) cameras[camera.camera.name]["confidence"] = RoundedConfidence(*camera.confidence);
   }
   nlohmann::json takes = nlohmann::json::array();
   for (const AuditedTake& take : audited.rig.takes) {

@@ -166,7 +166,7 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
                                    const ViewKeypoints& seen, const TriangulatedTracks& points, std::size_t jump) {
   const auto keypoints = static_cast<std::size_t>(samples.keypoints());
   const std::size_t all = seen.confidence.size();
-  CameraMove move{view, model.camera[view], model, {}, {}, 1.0};
+  CameraMove move{view, model.camera[view], model, {}, {}, {}, 1.0};
   if (jump > 0) {
     CameraPart later = move.camera[0];
     later.from_s = 0.5 * (samples.moments()[jump - 1].time_s + samples.moments()[jump].time_s);
@@ -184,6 +184,18 @@ std::optional<CameraMove> Refitted(const RigSamples& samples, const RigModel& mo
   if (!any) return {};
   move.model.camera[view] = move.camera;
   return move;
+}
+
+/// Some moments leave a gap in which they cannot locate a jump: there, the camera keeps its given pose, if it has it in
+/// one of its two parts.
+void KeepPoseInGap(const RigSamples& some, const Camera& given, std::vector<CameraPart>& parts) {
+  const auto later = std::find_if(some.moments().begin(), some.moments().end(),
+                                  [&](const RigMoment& moment) { return moment.time_s >= parts[1].from_s; });
+  if (HaveSamePose(parts[0].camera, given)) {
+    parts[1].from_s = later->time_s;
+  } else if (HaveSamePose(parts[1].camera, given)) {
+    parts[1].from_s = std::nextafter((later - 1)->time_s, later->time_s);
+  }
 }
 
 /// Points triangulated from the other views.
@@ -214,26 +226,24 @@ ObservedMove MoveAtPoints(const Camera& was, const Camera& is, const Triangulate
   return {MeanMedian(px), MeanMedian(m)};
 }
 
-double ConfidenceOfPart(const RigSamples& samples, const std::vector<CameraPart>& parts, std::size_t part,
-                        const std::vector<double>& worse, const std::vector<double>& better) {
-  std::vector<double> before, after;
-  for (std::size_t i = 0; i < worse.size(); ++i) {
-    const double time = samples.moments()[i].time_s;
-    if (time < parts[part].from_s || (part + 1 < parts.size() && time >= parts[part + 1].from_s)) continue;
-    if (std::abs(worse[i] - better[i]) <= kUnchanged) continue;
-    before.push_back(worse[i]);
-    after.push_back(better[i]);
-  }
-  return Confidence(before, after);
-}
-
 double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>& parts,
                         const std::vector<double>& worse, const std::vector<double>& better) {
+  const std::vector<int> halves = HalvesOf(worse.size());
   double best = 0.0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    best = std::max(best, ConfidenceOfPart(samples, parts, p, worse, better));
+    std::vector<double> before, after;
+    bool changed[2] = {false, false};
+    for (std::size_t i = 0; i < worse.size(); ++i) {
+      const double time = samples.moments()[i].time_s;
+      if (time < parts[p].from_s || (p + 1 < parts.size() && time >= parts[p + 1].from_s)) continue;
+      if (std::abs(worse[i] - better[i]) <= kUnchanged) continue;
+      changed[halves[i]] = true;
+      before.push_back(worse[i]);
+      after.push_back(better[i]);
+    }
+    if (changed[0] && changed[1]) best = std::max(best, Confidence(before, after));
   }
-  return std::max(0.0, 1.0 - static_cast<double>(parts.size()) * (1.0 - best));
+  return ConfidenceOfTests(best, parts.size());
 }
 
 std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& model, std::size_t view,
@@ -249,13 +259,25 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
     if (i == 1 && jumps[1] == 0) continue;
     auto move = Refitted(samples, model, view, seen, points, jumps[i]);
     if (!move) continue;
-    const auto again = samples.Views(move->model);
-    move->cost =
-        CostOfMoments(again, TriangulateViews(again, samples.count(), samples.keypoints(), options), options.noise);
+    move->cost = CostsUnder(samples, move->model, options);
     const double jump = i == 1 ? kJumpPenalty : 1.0;
     if (!best || jump * Sum(move->cost) < Sum(best->cost)) best = std::move(move);
   }
   return best;
+}
+
+std::vector<double> HeldOutCostsOfMoves(const RigSamples& samples, const RigModel& model,
+                                        const std::vector<std::size_t>& views, const TriangulationOptions& options) {
+  return HeldOutCosts(samples, options, [&](const RigSamples& half) {
+    RigModel fitted = model;
+    for (const std::size_t v : views) {
+      auto move = FindMoveOf(half, fitted, v, options);
+      if (!move) continue;
+      fitted = std::move(move->model);
+      if (fitted.camera[v].size() == 2) KeepPoseInGap(half, model.camera[v][0].camera, fitted.camera[v]);
+    }
+    return fitted;
+  });
 }
 
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
@@ -263,16 +285,20 @@ std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& mo
   if (samples.views() < kLeastViewsOfMove || samples.views() > kMostViewsAudited) return {};
   std::vector<CameraMove> moves;
   for (std::size_t v = 0; v < samples.views(); ++v) {
-    if (auto move = FindMoveOf(samples, model, v, options)) moves.push_back(std::move(*move));
+    auto move = FindMoveOf(samples, model, v, options);
+    if (!move) continue;
+    move->held_out = HeldOutCostsOfMoves(samples, model, {v}, options);
+    moves.push_back(std::move(*move));
   }
   if (moves.empty()) return {};
-  const auto best = std::min_element(
-      moves.begin(), moves.end(), [](const CameraMove& a, const CameraMove& b) { return Sum(a.cost) < Sum(b.cost); });
+  const auto best = std::min_element(moves.begin(), moves.end(), [](const CameraMove& a, const CameraMove& b) {
+    return Sum(a.held_out) < Sum(b.held_out);
+  });
   for (const CameraMove& other : moves) {
     if (other.view == best->view) continue;
-    const double sure = ConfidenceOfMove(samples, best->camera, other.cost, best->cost);
-    best->confidence = std::min(best->confidence, sure);
-    if (sure < kRivalBeaten) best->rivals.push_back(other.view);
+    const double beaten = ConfidenceOfMove(samples, best->camera, other.held_out, best->held_out);
+    best->confidence = std::min(best->confidence, ConfidenceOfTests(beaten, samples.views() - 1));
+    if (beaten < kRivalBeaten) best->rivals.push_back(other.view);
   }
   return std::move(*best);
 }

@@ -16,14 +16,16 @@ struct CameraMove {
   std::vector<CameraPart> camera;   ///< refitted; two parts where it was moved during the take
   RigModel model;                   ///< with the refitted camera
   std::vector<double> cost;         ///< of the moments (CostOfMoments), with the refitted camera
+  std::vector<double> held_out;     ///< likewise, each half with the camera refitted to the other half (HeldOutCosts)
   std::vector<std::size_t> rivals;  ///< other views whose move explains the moments about as well
-  double confidence = 1.0;          ///< confidence that this move explains more than any other camera's
+  double confidence = 1.0;          ///< confidence that this move explains more than any other camera's (held_out)
 };
 
 /// The camera whose detections another pose best explains, given the points of the other views. The pose holds for the
 /// whole take, or from the moment on at which the medians of its pixel errors jump. Each part is refitted
 /// (RefitCamera), or keeps its pose where that returns none. Empty for fewer than four cameras (of three the moved one
-/// is ambiguous) and for more than twelve (the others outvote it). Empty without a clear improvement.
+/// is ambiguous) and for more than twelve (the others outvote it). Empty without a clear improvement. Held-out costs
+/// choose the camera.
 std::optional<CameraMove> FindMove(const RigSamples& samples, const RigModel& model,
                                    const TriangulationOptions& options);
 
@@ -34,13 +36,14 @@ std::optional<CameraMove> FindMoveOf(const RigSamples& samples, const RigModel& 
 /// Confidence from which another explanation is not a rival.
 inline constexpr double kRivalBeaten = 0.9;
 
-/// Confidence that the new costs of moments are lower, the highest over the parts (one, or two) of a moved camera. Each
-/// part counts its moments with a different cost.
-double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>& parts,
-                        const std::vector<double>& worse, const std::vector<double>& better);
+/// Costs of the moments, those of each half with the moves of the views that FindMoveOf finds in the other half.
+std::vector<double> HeldOutCostsOfMoves(const RigSamples& samples, const RigModel& model,
+                                        const std::vector<std::size_t>& views, const TriangulationOptions& options);
 
-/// ConfidenceOfMove for one part.
-double ConfidenceOfPart(const RigSamples& samples, const std::vector<CameraPart>& parts, std::size_t part,
+/// Confidence that the held-out costs of moments are lower, the highest over the parts (one, or two) of a moved camera.
+/// Each part counts its moments with a different cost. It is 0 where one half of the take (HalvesOf) has none: nothing
+/// was fitted to the other half.
+double ConfidenceOfMove(const RigSamples& samples, const std::vector<CameraPart>& parts,
                         const std::vector<double>& worse, const std::vector<double>& better);
 
 /// Displacement that a camera's new pose causes at the person: medians over the points.

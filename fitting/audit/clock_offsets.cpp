@@ -134,7 +134,8 @@ Eigen::VectorXd VarianceBySpans(const std::vector<Eigen::VectorXd>& gradients, c
       for (std::size_t i = s * gradients.size() / spans; i < end; ++i) sum += gradients[i];
       of_spans += (solve * sum).cwiseAbs2();
     }
-    variance = variance.cwiseMax(of_spans);
+    const auto count = static_cast<double>(spans);
+    variance = variance.cwiseMax(of_spans * count / (count - 1.0));
     spans = 2 * spans / 3;
   } while (spans >= kFewestSpans);
   return variance;

@@ -136,11 +136,12 @@ std::optional<OrderFound> FindKeypointOrder(const JointPositions& points, const 
   }
   if (best.name.empty() || best.found > kPlausibleLogRatio || best.found >= best.given) return {};
   if (!HasLengthsOfPerson(points, confidence, KnownLengths(DetectorNames(best.names), skeleton), frames)) return {};
-  best.confidence = Confidence(given, all[chosen]);
+  const std::vector<double> held_out = HeldOutCosts(all, FirstAndSecondHalf(given.size()));
+  best.confidence = Confidence(given, held_out);
   for (std::size_t i = 0; i < all.size(); ++i) {
     // An order with the same joints at the same indices is no alternative.
     if (i != chosen && all[i] != all[chosen]) {
-      best.confidence = std::min(best.confidence, Confidence(all[i], all[chosen]));
+      best.confidence = std::min(best.confidence, Confidence(all[i], held_out));
     }
   }
   return best;

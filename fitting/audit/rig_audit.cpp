@@ -15,8 +15,7 @@
 namespace mocurate {
 namespace {
 
-constexpr int kMomentsAudited = 32;  ///< moments, evenly spread over the take (numerical)
-/// Takes with kMomentsAudited each; more share as many, down to kFewestMoments each (numerical).
+/// Takes with kMomentsOfTake each, evenly spread; more share as many, down to kFewestMoments each (numerical).
 constexpr std::size_t kMostTakesWhole = 4;
 constexpr std::size_t kSettlingMoments = 2000;  ///< moments for the final refit of a moved camera (numerical)
 /// Share of a view's frame interval: smaller clock offsets are not reported.
@@ -31,8 +30,8 @@ constexpr double kExplainedElsewhere =
 
 /// Moments of all takes together.
 int MomentsOfTakes(std::size_t takes) {
-  const auto count = static_cast<int>(std::max<std::size_t>(1, takes));
-  return std::max(kMomentsAudited * std::min(count, static_cast<int>(kMostTakesWhole)), kFewestMoments * count);
+  const std::size_t count = std::max<std::size_t>(1, takes);
+  return static_cast<int>(std::max(kMomentsOfTake * std::min(count, kMostTakesWhole), kFewestMoments * count));
 }
 
 class KeypointAuditor {
@@ -90,23 +89,24 @@ class KeypointAuditor {
 
  private:
   std::vector<double> CostsOf(const RigModel& model) const {
-    const std::vector<ViewKeypoints> views = samples_.Views(model);
-    const TriangulatedTracks points =
-        TriangulateViews(views, samples_.count(), samples_.keypoints(), options_.triangulation);
-    return CostOfMoments(views, points, options_.triangulation.noise);
+    return CostsUnder(samples_, model, options_.triangulation);
   }
 
-  /// Of a view; empty where it is unchanged.
+  /// Of one of the tests of all views.
+  double OfAllTests(double confidence) const { return ConfidenceOfTests(confidence, kTestsOfView * rig_.size()); }
+
+  /// Of a view, with held-out moments where it was moved; empty where it is unchanged.
   std::vector<std::optional<double>> GainOf(std::size_t v) const {
-    RigModel without = model_;
-    without.camera[v] = given_.camera[v];
+    const RigModel given_pose = WithGivenPose(v);
+    const bool moved = !MovedViews(given_pose, model_).empty();
+    if (!moved && model_.clock_s[v] == 0.0 && !model_.sides_exchanged[v]) return {};
+    RigModel without = given_pose;
     without.clock_s[v] = 0.0;
     without.sides_exchanged[v] = false;
-    const bool moved = !MovedViews(without, model_).empty();
-    if (!moved && model_.clock_s[v] == 0.0 && !model_.sides_exchanged[v]) return {};
     std::vector<double> time_s;
     for (const RigMoment& moment : samples_.moments()) time_s.push_back(moment.time_s);
-    return GainOfTakes(takes_, time_s, CostsOf(without), cost_);
+    return GainOfTakes(takes_, time_s, CostsOf(without),
+                       moved ? HeldOutCostsOfMoves(samples_, given_pose, {v}, options_.triangulation) : cost_);
   }
 
   /// The parts of the requested audit that are impossible, and why. Empty when all are possible, and for rigs of two.
@@ -175,8 +175,8 @@ class KeypointAuditor {
   }
 
   bool Explains(const CameraMove& move) const {
-    return Sum(move.cost) < (1.0 - kLeastCostGain) * Sum(cost_) &&
-           ConfidenceOfMove(samples_, move.camera, cost_, move.cost) >= options_.audit.sure;
+    return Sum(move.held_out) < (1.0 - kLeastCostGain) * Sum(cost_) &&
+           OfAllTests(ConfidenceOfMove(samples_, move.camera, cost_, move.held_out)) >= options_.audit.sure;
   }
 
   /// Applies a move where it is reliable. The moved camera is ambiguous when another one's move explains about as much,
@@ -185,7 +185,7 @@ class KeypointAuditor {
     if (GoesTooFar(given_, move)) {
       too_far_ = move.view;
       inconsistent_ = DisagreementOf(rig_, {move.view});
-      inconsistent_->confidence = ConfidenceOfMove(samples_, move.camera, cost_, move.cost);
+      inconsistent_->confidence = OfAllTests(ConfidenceOfMove(samples_, move.camera, cost_, move.held_out));
       inconsistent_->message +=
           " the pose that fits best is farther away than the cameras of this rig are from each other; "
           "check whether the camera records the same scene and has this calibration";
@@ -207,9 +207,25 @@ class KeypointAuditor {
     return true;
   }
 
-  /// Confidence that a clock offset is not 0, by its standard deviation over spans of the take.
+  /// Confidence that a clock offset is not 0, by its standard deviation over spans of the take. Of one number, fitting
+  /// all moments favours no sign, so nothing is held out.
   double ClockConfidence(std::size_t v) const {
-    return v < clock_sigma_s_.size() ? SpanConfidence(std::abs(model_.clock_s[v]) / clock_sigma_s_[v]) : 0.0;
+    if (v >= clock_sigma_s_.size()) return 0.0;
+    return OfAllTests(SpanConfidence(std::abs(model_.clock_s[v]) / clock_sigma_s_[v], kFewestSpans));
+  }
+
+  /// Confidence that views have other poses than in `without`, where they have the given ones.
+  double MoveConfidence(const RigModel& without, const std::vector<std::size_t>& views) const {
+    const std::vector<double> held_out = HeldOutCostsOfMoves(samples_, without, views, options_.triangulation);
+    const std::vector<CameraPart>& parts = views.size() == 1 ? model_.camera[views[0]] : given_.camera[views[0]];
+    return OfAllTests(ConfidenceOfMove(samples_, parts, CostsOf(without), held_out));
+  }
+
+  /// The model with the given pose of a view.
+  RigModel WithGivenPose(std::size_t v) const {
+    RigModel without = model_;
+    without.camera[v] = given_.camera[v];
+    return without;
   }
 
   /// Whether another pose of the camera explains about as much as its clock offset. Of three cameras, two do not
@@ -259,14 +275,10 @@ class KeypointAuditor {
   /// Drops moves that, with the final model, have a low confidence or a negligible effect.
   void DropIdleMoves() {
     for (const std::size_t v : MovedViews(given_, model_)) {
-      RigModel without = model_;
-      without.camera[v] = given_.camera[v];
-      const std::vector<double> costs = CostsOf(without);
-      if (IsNotable(v, model_) && ConfidenceOfMove(samples_, model_.camera[v], costs, cost_) >= options_.audit.sure) {
-        continue;
-      }
+      RigModel without = WithGivenPose(v);
+      if (IsNotable(v, model_) && MoveConfidence(without, {v}) >= options_.audit.sure) continue;
       model_ = std::move(without);
-      cost_ = costs;
+      cost_ = CostsOf(model_);
     }
   }
 
@@ -293,7 +305,7 @@ class KeypointAuditor {
     const std::vector<double> costs = CostsOf(without);
     RigFault fault =
         SidesExchanged(rig_[v].camera.camera.name, static_cast<int>(take_.time_s.size()), Sum(costs) - Sum(cost_));
-    fault.confidence = Confidence(costs, cost_);
+    fault.confidence = OfAllTests(Confidence(costs, cost_));
     fault.corrected = options_.audit.sides == AuditAction::kCorrect;
     audited.corrected = audited.corrected || fault.corrected;
     audited.faults.push_back(std::move(fault));
@@ -320,11 +332,11 @@ class KeypointAuditor {
     for (const std::size_t v : MovedViews(given_, model_)) {
       if (IsSuspect(v)) without.camera[v] = given_.camera[v];
     }
-    const std::vector<double> costs = CostsOf(without);
-    const double confidence = Confidence(costs, cost_);
-    if (MovedViews(without, model_).empty() || confidence < options_.audit.sure) return;
+    const std::vector<std::size_t> suspects = MovedViews(without, model_);
+    const double confidence = suspects.empty() ? 0.0 : MoveConfidence(without, suspects);
+    if (confidence < options_.audit.sure) return;
     RigFault fault = DisagreementOf(rig_, suspect_);
-    fault.value = 100.0 * (1.0 - Sum(cost_) / Sum(costs));
+    fault.value = 100.0 * (1.0 - Sum(cost_) / Sum(CostsOf(without)));
     fault.confidence = confidence;
     fault.corrected = options_.audit.moved == AuditAction::kCorrect;
     fault.message += " one or more of these cameras have another pose than calibrated; which ones is ambiguous";
@@ -340,10 +352,10 @@ class KeypointAuditor {
   }
 
   void ReportMove(std::size_t v, AuditedRig& audited) const {
-    if (IsSuspect(v)) return;
+    const RigModel without = WithGivenPose(v);
+    if (IsSuspect(v) || MovedViews(without, model_).empty()) return;
+    const double confidence = MoveConfidence(without, {v});
     const std::vector<CameraPart>& parts = model_.camera[v];
-    RigModel without = model_;
-    without.camera[v] = given_.camera[v];
     const auto frames = static_cast<int>(take_.time_s.size());
     const int changed = parts.size() == 2 ? FrameAt(parts[1].from_s) : frames;
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -351,10 +363,10 @@ class KeypointAuditor {
       if (HaveSamePose(was, parts[p].camera)) continue;
       RigFault fault = CameraMoved(was, parts[p].camera, options_.rig.empty() ? "its calibration" : "the rig's file",
                                    p == 0 ? 0 : changed, p == 0 ? changed : frames, frames);
-      fault.confidence = ConfidenceOfMove(samples_, parts, CostsOf(without), cost_);
+      fault.confidence = confidence;
       if (move_confidence_.at(v) < 1.0) {
         fault.message += "; the confidence that no other camera moved instead is " +
-                         RoundedText(100.0 * move_confidence_.at(v), 3) + " %";
+                         RoundedText(100.0 * RoundedConfidence(move_confidence_.at(v)), 3) + " %";
       }
       fault.corrected = options_.audit.moved == AuditAction::kCorrect;
       audited.corrected = audited.corrected || fault.corrected;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <utility>
@@ -24,10 +25,12 @@ std::string_view Name(ConfidenceOf of) {
   return "";
 }
 
+double RoundedConfidence(double confidence) { return std::floor(1e4 * confidence + 1e-6) / 1e4; }
+
 std::string ConfidenceText(double confidence, ConfidenceOf of) {
-  const std::string percent = RoundedText(100.0 * confidence, 4) + " %";
-  if (of == ConfidenceOf::kSpansOfOneTake) return "repeatable to " + percent + " within this take";
-  return "confidence " + percent + (of == ConfidenceOf::kTakes ? " between takes" : "");
+  const std::string percent = "confidence " + RoundedText(100.0 * RoundedConfidence(confidence), 4) + " %";
+  if (of == ConfidenceOf::kModel) return percent;
+  return percent + (of == ConfidenceOf::kTakes ? " between takes" : " within this take");
 }
 
 RigFault MakeFault(std::string code, std::string camera, double value, std::string message) {
@@ -69,7 +72,7 @@ nlohmann::json FaultsJson(const std::vector<RigFault>& faults) {
                     {"camera", fault.camera},
                     {"frames", {fault.frame_begin, fault.frame_end}},
                     {"value", rounded(fault.value)},
-                    {"confidence", rounded(fault.confidence)},
+                    {"confidence", RoundedConfidence(fault.confidence)},
                     {"confidence_of", Name(fault.confidence_of)},
                     {"corrected", fault.corrected}});
     if (!fault.limb.empty()) list.back()["limb"] = fault.limb;
@@ -137,6 +140,12 @@ double StudentShare(double t, double freedom) {
   return NormalShare(std::copysign(z, t));
 }
 
+/// Fewest spans of samples: of more than kMomentsOfTake, those of the takes that they must be from.
+std::size_t FewestSpansOf(std::size_t samples) {
+  const std::size_t takes = (samples + kMomentsOfTake - 1) / kMomentsOfTake;
+  return kFewestSpans * std::max<std::size_t>(1, takes);
+}
+
 /// Confidence that the mean is above 0, from the variation of the means of `spans` parts of equal length.
 double ConfidenceBySpans(const std::vector<double>& gain, std::size_t spans) {
   std::vector<double> means;
@@ -156,32 +165,78 @@ double ConfidenceBySpans(const std::vector<double>& gain, std::size_t spans) {
   return StudentShare(mean / error, n - 1.0);
 }
 
+/// Differences, as shares of the sums.
 std::vector<double> Gains(const std::vector<double>& worse, const std::vector<double>& better) {
   std::vector<double> gain;
   for (std::size_t i = 0; i < worse.size(); ++i) {
     const double more = worse[i] - better[i];
     const bool same = std::abs(more) <= kSame * (std::abs(worse[i]) + std::abs(better[i]));
-    gain.push_back(same ? 0.0 : more);
+    gain.push_back(same ? 0.0 : more / (std::abs(worse[i]) + std::abs(better[i])));
   }
   return gain;
 }
 
 }  // namespace
 
+double ConfidenceAboveZero(const std::vector<double>& numbers) {
+  return numbers.size() < 2 ? 0.0 : ConfidenceBySpans(numbers, numbers.size());
+}
+
 double ConfidenceOfSeparate(const std::vector<double>& worse, const std::vector<double>& better) {
-  return worse.size() < 2 ? 0.0 : ConfidenceBySpans(Gains(worse, better), worse.size());
+  return ConfidenceAboveZero(Gains(worse, better));
 }
 
 double Confidence(const std::vector<double>& worse, const std::vector<double>& better) {
   const std::vector<double> gain = Gains(worse, better);
-  double least = ConfidenceOfSeparate(worse, better);
-  for (std::size_t spans = 2 * gain.size() / 3; spans >= kFewestSpans; spans = 2 * spans / 3) {
+  double least = ConfidenceAboveZero(gain);
+  for (std::size_t spans = 2 * gain.size() / 3; spans >= FewestSpansOf(gain.size()); spans = 2 * spans / 3) {
     least = std::min(least, ConfidenceBySpans(gain, spans));
   }
   return least;
 }
 
-double SpanConfidence(double sigmas) { return 2.0 * StudentShare(sigmas, kFewestSpans - 1.0) - 1.0; }
+double SpanConfidence(double sigmas, std::size_t spans) {
+  return 2.0 * StudentShare(sigmas, static_cast<double>(spans) - 1.0) - 1.0;
+}
+
+std::vector<int> HalvesOf(std::size_t count) {
+  std::vector<int> halves;
+  for (std::size_t i = 0; i < count; ++i) halves.push_back(static_cast<int>(i * 2 * FewestSpansOf(count) / count % 2));
+  return halves;
+}
+
+std::vector<int> FirstAndSecondHalf(std::size_t count) {
+  std::vector<int> halves(count, 0);
+  std::fill(halves.begin() + static_cast<std::ptrdiff_t>(count / 2), halves.end(), 1);
+  return halves;
+}
+
+std::vector<double> HeldOutCosts(const std::vector<std::vector<double>>& candidates, const std::vector<int>& halves) {
+  std::vector<double> costs(halves.size());
+  for (int half = 0; half < 2; ++half) {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      double sum = 0.0, count = 0.0;
+      for (std::size_t i = 0; i < halves.size(); ++i) {
+        if (halves[i] == half || candidates[c][i] < 0.0) continue;
+        sum += candidates[c][i];
+        count += 1.0;
+      }
+      if (count == 0.0 || sum / count >= least) continue;
+      least = sum / count;
+      best = c;
+    }
+    for (std::size_t i = 0; i < halves.size(); ++i) {
+      if (halves[i] == half) costs[i] = candidates[best][i];
+    }
+  }
+  return costs;
+}
+
+double ConfidenceOfTests(double confidence, std::size_t tests) {
+  return std::max(0.0, 1.0 - static_cast<double>(tests) * (1.0 - confidence));
+}
 
 double NormalShare(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
 

@@ -28,7 +28,7 @@ inline constexpr const char* kContradictingView = "views_disagree";
 
 /// Samples whose variation gives a confidence.
 enum class ConfidenceOf {
-  kSpansOfOneTake,  ///< spans of one take: it measures repeatability within the take, not calibration
+  kSpansOfOneTake,  ///< spans of one take: of errors that last for the whole take it knows nothing
   kTakes,           ///< several takes of one rig
   kModel,           ///< none: a likelihood under a model of the fault, or a comparison that is exact
 };
@@ -45,7 +45,7 @@ struct RigFault {
   int frame_begin = 0;  ///< [begin, end) of the take; both 0: all of it
   int frame_end = 0;
   double value = 0.0;       ///< of the code: ms, mm, share of entries that agree, factor, mean departure, margin
-  double confidence = 0.0;  ///< [0, 1]
+  double confidence = 0.0;  ///< [0, 1]; 1 - confidence bounds the probability that the fault does not exist
   ConfidenceOf confidence_of = ConfidenceOf::kSpansOfOneTake;
   bool corrected = false;
   bool guessed = false;  ///< likely, but below the required confidence: reported without effect
@@ -56,7 +56,9 @@ struct RigFault {
 RigFault MakeFault(std::string code, std::string camera, double value, std::string message);
 Finding FindingOf(const RigFault& fault);
 
-/// "repeatable to 99.92 % within this take", "confidence 99.92 %".
+/// A confidence to four digits, rounded down.
+double RoundedConfidence(double confidence);
+/// "confidence 99.92 % within this take", "confidence 99.92 %".
 std::string ConfidenceText(double confidence, ConfidenceOf of);
 
 /// Code of the finding that clocks, poses or files could not be audited.
@@ -93,19 +95,44 @@ RigFault SidesExchanged(const std::string& camera, int frames, double margin);
 /// `frames`.
 RigFault CameraMoved(const Camera& was, const Camera& is, const std::string& reference, int begin, int end, int frames);
 
-/// Confidence that `better` is lower than `worse`, in [0, 1]: that the mean of the differences is above 0, by Student's
-/// t. Samples are in order of time, and neighbours may be correlated. So the standard error is also estimated from the
-/// means of ever longer spans (down to five), and the lowest confidence counts.
+/// Moments of a take that are compared, at most (numerical).
+inline constexpr std::size_t kMomentsOfTake = 64;
+/// Fewest parts of a take for a standard error.
+inline constexpr std::size_t kFewestSpans = 5;
+
+/// Confidence that costs `better` are lower than `worse`, in [0, 1]: that their differences, as shares of their sums,
+/// are above 0 in the mean, by Student's t. Samples are in order of time, and neighbours may be correlated. So the
+/// standard error is also estimated from the means of ever longer spans (down to kFewestSpans of a take), and the
+/// lowest confidence counts. What was fitted to the samples, or chosen by them, always seems better: compare held-out
+/// costs.
 double Confidence(const std::vector<double>& worse, const std::vector<double>& better);
 
 /// Confidence for independent samples.
 double ConfidenceOfSeparate(const std::vector<double>& worse, const std::vector<double>& better);
 
-/// Fewest parts of a take for a standard error.
-inline constexpr std::size_t kFewestSpans = 5;
+/// Confidence that the mean of independent numbers is above 0.
+double ConfidenceAboveZero(const std::vector<double>& numbers);
 
-/// Confidence that a number `sigmas` standard errors from 0 is not 0, with the standard error from kFewestSpans spans.
-double SpanConfidence(double sigmas);
+/// Confidence that a number `sigmas` standard errors from 0 is not 0, with the standard error from `spans` spans.
+double SpanConfidence(double sigmas, std::size_t spans);
+
+/// Half (0, 1) to which each of `count` samples of one or several takes belongs: alternate spans, kFewestSpans of a
+/// take in each half.
+std::vector<int> HalvesOf(std::size_t count);
+
+/// The first half of them, then the second: what is chosen by one is judged by samples farther away in time.
+std::vector<int> FirstAndSecondHalf(std::size_t count);
+
+/// Costs of the samples, each half under the candidate of the lowest mean cost over the other half. `candidates`: costs
+/// of all samples under each, negative where there is none; `halves`: 0 or 1 per sample.
+std::vector<double> HeldOutCosts(const std::vector<std::vector<double>>& candidates, const std::vector<int>& halves);
+
+/// Tests of each view of a rig: clock, pose, and sides (depths, of a depth camera).
+inline constexpr std::size_t kTestsOfView = 3;
+
+/// Confidence of one of several tests, so that 1 - confidence bounds the probability that any of them errs
+/// (Bonferroni).
+double ConfidenceOfTests(double confidence, std::size_t tests);
 
 /// Cumulative standard normal distribution.
 double NormalShare(double z);

@@ -312,16 +312,19 @@ RigHypotheses FindRigHypotheses(const std::vector<KeypointView>& views, const st
   for (const ScoredHypothesis& scored : all) least = std::min(least, scored.mean);
   const ScoredHypothesis* best = BestOf(all, given, least);
   if (best == nullptr) return {};
+  std::vector<std::vector<double>> costs{given.costs};
+  for (const ScoredHypothesis& scored : all) costs.push_back(scored.costs);
+  const std::vector<double> held_out = HeldOutCosts(costs, FirstAndSecondHalf(given.costs.size()));
   RigHypotheses found{{best->hypothesis}, given.share, best->share,
-                      given.mean,         best->mean,  Confidence(given.costs, best->costs),
-                      some[0].time_s,     given.costs, best->costs};
+                      given.mean,         best->mean,  Confidence(given.costs, held_out),
+                      some[0].time_s,     given.costs, held_out};
   const std::size_t changes = Changes(best->hypothesis);
   for (const ScoredHypothesis& scored : all) {
     if (&scored == best || AreSame(scored.hypothesis, best->hypothesis)) continue;
     const bool alike = scored.mean <= kEqualCostRatio * least + kEqualCostDifference;
     // With more exchanged files and the same agreement it is the same rig viewed from another side.
     if (alike && changes > 1 && Changes(scored.hypothesis) > changes) continue;
-    const double confidence = Confidence(scored.costs, best->costs);
+    const double confidence = Confidence(scored.costs, held_out);
     if (!alike || confidence >= sure) {
       found.confidence = std::min(found.confidence, confidence);
       continue;

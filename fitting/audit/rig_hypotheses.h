@@ -31,9 +31,11 @@ struct RigHypotheses {
   double read = 0.0;             ///< and under the hypothesis
   double given_cost = 0.0;       ///< mean cost of an entry as given (CostOfAgreement)
   double read_cost = 0.0;        ///< and under the hypothesis: this decides
-  double confidence = 0.0;       ///< that the first is better than as given, and than all hypotheses outside `alike`
+  double confidence = 0.0;       ///< that it is better than as given, and than all hypotheses outside `alike`, where
+                                 ///< half of the moments chooses and the other half judges (HeldOutCosts)
   std::vector<double> moment_s;  ///< when they were compared
-  std::vector<double> given_costs, read_costs;  ///< (moments) as given, and under the first hypothesis
+  /// (moments) as given, and under the hypothesis that the other half of the moments chooses
+  std::vector<double> given_costs, read_costs;
 };
 
 /// Finds hypotheses under which views agree on people that they do not agree on as given:

@@ -150,6 +150,16 @@ std::vector<RigMoment> RigSamples::Spread(const std::vector<RigView>& rig, const
   return some;
 }
 
+RigSamples RigSamples::Half(int half) const {
+  RigSamples some = *this;
+  some.moments_.clear();
+  const std::vector<int> halves = HalvesOf(moments_.size());
+  for (std::size_t i = 0; i < moments_.size(); ++i) {
+    if (halves[i] == half) some.moments_.push_back(moments_[i]);
+  }
+  return some;
+}
+
 ViewKeypoints RigSamples::View(const RigModel& model, std::size_t view, std::size_t part, double later_s) const {
   const RigView& from = rig_[view];
   const auto keypoints = static_cast<std::size_t>(from.keypoints);
@@ -205,6 +215,24 @@ std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const
         square = PixelError(view, i, point).squaredNorm();
       }
       costs[i / keypoints] += view.confidence[i] * CostOfSquare(square, noise_px);
+    }
+  }
+  return costs;
+}
+
+std::vector<double> CostsUnder(const RigSamples& samples, const RigModel& model, const TriangulationOptions& options) {
+  const std::vector<ViewKeypoints> views = samples.Views(model);
+  return CostOfMoments(views, TriangulateViews(views, samples.count(), samples.keypoints(), options), options.noise);
+}
+
+std::vector<double> HeldOutCosts(const RigSamples& samples, const TriangulationOptions& options,
+                                 const std::function<RigModel(const RigSamples&)>& fit) {
+  std::vector<double> costs(samples.moments().size());
+  const std::vector<int> halves = HalvesOf(costs.size());
+  for (int half = 0; half < 2; ++half) {
+    const std::vector<double> of_half = CostsUnder(samples.Half(half), fit(samples.Half(1 - half)), options);
+    for (std::size_t i = 0, next = 0; i < costs.size(); ++i) {
+      if (halves[i] == half) costs[i] = of_half[next++];
     }
   }
   return costs;

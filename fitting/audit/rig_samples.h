@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -32,7 +33,8 @@ struct RigMoment {
   double time_s = 0.0;
 };
 
-inline constexpr int kFewestMoments = 8;  ///< moments; fewest for clocks, poses and sides
+/// Moments; fewest for clocks, poses and sides: one for each span of both halves (HalvesOf).
+inline constexpr int kFewestMoments = 10;
 
 /// First moments of takes of one rig that were joined in sequence, seconds, increasing. Empty: one take.
 using TakeStarts = std::vector<double>;
@@ -57,6 +59,9 @@ class RigSamples {
   /// `takes`: several takes in sequence, each with its share of `most`.
   static std::vector<RigMoment> Spread(const std::vector<RigView>& rig, const Association& take, int most,
                                        double noise_px, const TakeStarts& takes = {});
+
+  /// The moments of one half of the take (HalvesOf).
+  RigSamples Half(int half) const;
 
   const std::vector<RigMoment>& moments() const { return moments_; }
   int count() const { return static_cast<int>(moments_.size()); }
@@ -87,6 +92,13 @@ Vector2d PixelError(const ViewKeypoints& view, std::size_t at, const Vector3d& p
 /// detections (M). Detections without a point have the largest cost.
 std::vector<double> CostOfMoments(const std::vector<ViewKeypoints>& views, const TriangulatedTracks& points,
                                   double noise_px);
+
+/// CostOfMoments under a model.
+std::vector<double> CostsUnder(const RigSamples& samples, const RigModel& model, const TriangulationOptions& options);
+
+/// CostsUnder, the moments of each half of the take (HalvesOf) under the model that `fit` gives for the other half.
+std::vector<double> HeldOutCosts(const RigSamples& samples, const TriangulationOptions& options,
+                                 const std::function<RigModel(const RigSamples&)>& fit);
 
 /// Sum over all moments.
 double Sum(const std::vector<double>& costs);

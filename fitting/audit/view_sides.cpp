@@ -163,19 +163,18 @@ std::optional<SidesThroughout> FindSidesThroughout(const RigSamples& samples, co
     if (model.sides_exchanged[v]) continue;
     SidesThroughout one{v, model, {}, 0.0};
     one.model.sides_exchanged[v] = true;
-    const std::vector<ViewKeypoints> views = samples.Views(one.model);
-    one.cost =
-        CostOfMoments(views, TriangulateViews(views, samples.count(), samples.keypoints(), options), options.noise);
+    one.cost = CostsUnder(samples, one.model, options);
     all.push_back(std::move(one));
   }
   const auto best = std::min_element(all.begin(), all.end(), [](const SidesThroughout& a, const SidesThroughout& b) {
     return Sum(a.cost) < Sum(b.cost);
   });
   if (best == all.end() || Sum(best->cost) > (1.0 - kExplained) * Sum(cost)) return {};
-  best->confidence = Confidence(cost, best->cost);
+  double confidence = Confidence(cost, best->cost);
   for (const SidesThroughout& other : all) {
-    if (other.view != best->view) best->confidence = std::min(best->confidence, Confidence(other.cost, best->cost));
+    if (other.view != best->view) confidence = std::min(confidence, Confidence(other.cost, best->cost));
   }
+  best->confidence = ConfidenceOfTests(confidence, kTestsOfView * samples.views());
   if (best->confidence < sure) return {};
   return std::move(*best);
 }

@@ -127,14 +127,15 @@ class DepthAuditor {
     if (!*wrong || (*wrong)->loss > kInconsistentViewsLoss || (*wrong)->loss > (1.0 - kSureGain) * loss) return {};
     const auto moved = FindFarMove();
     if (!moved) return Forward(moved);
-    if (*moved && (*wrong)->loss > (1.0 - kFewerMoves) * MeanLoss(LossOfSamples(rig_, **moved))) return {};
-    const std::vector<double> before = Of((*wrong)->view, losses_, losses_).first;
+    if (*moved && (*wrong)->loss > (1.0 - kFewerMoves) * MeanLoss((*moved)->losses)) return {};
+    const double confidence = OfAllTests(ConfidenceOfLosses(rig_, losses_, (*wrong)->held_out, (*wrong)->view));
+    if (confidence < options_.sure) return {};
     RigFault fault = DepthsOff(report_.cameras[(*wrong)->view], **wrong);
     fault.corrected = CorrectsMoves();
     wrong_depths_ = **wrong;
     sampler_ = DepthRigSampler(WithDepths(sampler_.views(), (*wrong)->view, (*wrong)->factor));
     if (Status seen = Resample(); !seen) return seen;
-    fault.confidence = ConfidenceOfSeparate(before, Of((*wrong)->view, losses_, losses_).first);
+    fault.confidence = confidence;
     report_.faults.push_back(std::move(fault));
     return {};
   }
@@ -153,7 +154,7 @@ class DepthAuditor {
     const auto moved = FindFarMove();
     if (!moved) return Forward(moved);
     const double others = std::min({*single ? (*single)->loss : 1.0, exchange ? exchange->exchanged : 1.0,
-                                    *moved ? MeanLoss(LossOfSamples(rig_, **moved)) : 1.0});
+                                    *moved ? MeanLoss((*moved)->losses) : 1.0});
     if (common->loss_after > (1.0 - kFewerMoves) * others) return {};
     RigFault fault = FaultOfAll(report_.cameras, *common, rig_);
     fault.confidence = common->confidence;
@@ -198,10 +199,24 @@ class DepthAuditor {
     return !files_wrong_;
   }
 
-  std::pair<std::vector<double>, std::vector<double>> Of(std::size_t view, const std::vector<double>& losses,
-                                                         const std::vector<double>& others) const {
-    return OfView(rig_, view, losses, others);
+  /// New poses of cameras, from initial ones.
+  struct Moves {
+    std::vector<bool> free;
+    std::vector<Camera> start, cameras;
+    std::vector<double> losses;                ///< LossOfSamples
+    std::vector<std::vector<Camera>> of_half;  ///< RegisterHalves; empty: not yet needed
+    std::map<std::size_t, double> confidence;  ///< of views
+  };
+
+  Expected<Moves> Registered(std::vector<bool> free, std::vector<Camera> start) const {
+    Expected<std::vector<Camera>> found = Register(rig_, free, start);
+    if (!found) return Forward(found);
+    std::vector<double> losses = LossOfSamples(rig_, *found);
+    return Moves{std::move(free), std::move(start), std::move(*found), std::move(losses), {}, {}};
   }
+
+  /// Of one of the tests of all views.
+  double OfAllTests(double confidence) const { return ConfidenceOfTests(confidence, kTestsOfView * delay_.size()); }
 
   /// Applies the clock or the poses that explain most of the remaining loss; false without an improvement.
   Expected<bool> Improve() {
@@ -213,7 +228,7 @@ class DepthAuditor {
       clock = *found;
       if (clock && std::abs(delay_[clock->view] + clock->frames) > longest) clock.reset();
     }
-    std::optional<std::vector<Camera>> moved;
+    std::optional<Moves> moved;
     if (options_.moved != AuditAction::kOff) {
       auto found = FindMoves();
       if (!found) return Forward(found);
@@ -227,35 +242,37 @@ class DepthAuditor {
       delays[clock->view] += clock->frames;
       const Expected<ObservedRig> rig = sampler_.Seen(delays);
       if (!rig) return Forward(rig);
-      with_clock = MeanLoss(LossOfSamples(*rig, cameras_));
+      const std::vector<double> losses = LossOfSamples(*rig, cameras_);
+      // Of another scene, too, one offset is the least bad.
+      if (LossOfViews(*rig, losses)[clock->view] <= kInconsistentViewsLoss) with_clock = MeanLoss(losses);
     }
-    if (moved) with_moves = MeanLoss(LossOfSamples(rig_, *moved));
+    if (moved) with_moves = MeanLoss(moved->losses);
     if (std::min(with_clock, with_moves) >= loss) return false;
     if (with_clock <= with_moves) {
       delay_ = std::move(delays);
       clocks_[clock->view] = *clock;
     } else {
-      cameras_ = std::move(*moved);
+      cameras_ = std::move(moved->cameras);
+      for (const auto& [v, confidence] : moved->confidence) move_confidence_[v] = confidence;
     }
     if (Status seen = Resample(); !seen) return Forward(seen);
     return true;
   }
 
   /// New poses of cameras that certainly moved, registered. Implausible ones are reset one by one.
-  Expected<std::optional<std::vector<Camera>>> FindMoves() {
+  Expected<std::optional<Moves>> FindMoves() {
     std::vector<bool> free = MayHaveMoved(LossOfViews(rig_, losses_));
     std::vector<double> by_clock(free.size(), -1.0);
     while (std::find(free.begin(), free.end(), true) != free.end()) {
-      Expected<std::vector<Camera>> found = Register(rig_, free, cameras_);
+      Expected<Moves> found = Registered(free, cameras_);
       if (!found) return Forward(found);
-      const std::vector<double> better = LossOfSamples(rig_, *found);
       std::optional<std::size_t> weakest;
       double least = 0.0;
       bool any = false;
       for (std::size_t v = 0; v < free.size(); ++v) {
         if (!free[v]) continue;
-        const double move = MoveOf(cameras_[v], (*found)[v]);
-        const Expected<bool> real = IsReal(v, move, *found, better, by_clock[v]);
+        const double move = MoveOf(cameras_[v], found->cameras[v]);
+        const Expected<bool> real = IsReal(v, *found, by_clock[v]);
         if (!real) return Forward(real);
         any = any || *real;
         if (*real || (weakest && move >= least)) continue;
@@ -263,10 +280,10 @@ class DepthAuditor {
         least = move;
       }
       if (!weakest && std::count(free.begin(), free.end(), true) > 1) {
-        auto one = FindOneMove(MeanLoss(better));
+        auto one = FindOneMove(MeanLoss(found->losses));
         if (!one || *one) return one;
       }
-      if (!weakest) return std::optional<std::vector<Camera>>(std::move(*found));
+      if (!weakest) return std::optional<Moves>(std::move(*found));
       if (!any) break;
       free[*weakest] = false;
     }
@@ -274,26 +291,25 @@ class DepthAuditor {
   }
 
   /// Registers camera v alone from `start`. Accepts the pose if it is significant and lowers the rig's loss.
-  Status TryOneMove(std::size_t v, std::vector<Camera> start, double& least, std::optional<std::vector<Camera>>& best) {
+  Status TryOneMove(std::size_t v, std::vector<Camera> start, double& least, std::optional<Moves>& best) {
     std::vector<bool> free(delay_.size(), false);
     free[v] = true;
-    Expected<std::vector<Camera>> found = Register(rig_, free, std::move(start));
+    Expected<Moves> found = Registered(std::move(free), std::move(start));
     if (!found) return Forward(found);
-    const std::vector<double> better = LossOfSamples(rig_, *found);
-    if (MeanLoss(better) >= least) return {};
+    if (MeanLoss(found->losses) >= least) return {};
     double by_clock = -1.0;
-    const Expected<bool> real = IsReal(v, MoveOf(cameras_[v], (*found)[v]), *found, better, by_clock);
+    const Expected<bool> real = IsReal(v, *found, by_clock);
     if (!real) return Forward(real);
     if (!*real) return {};
-    least = MeanLoss(better);
+    least = MeanLoss(found->losses);
     best = std::move(*found);
     return {};
   }
 
   /// The one camera that moved too far for surfaces to overlap: first shifted to the person's position, then
   /// registered.
-  Expected<std::optional<std::vector<Camera>>> FindFarMove() {
-    std::optional<std::vector<Camera>> best;
+  Expected<std::optional<Moves>> FindFarMove() {
+    std::optional<Moves> best;
     if (!options_.rules.on(FittingRule::kFarMove)) return best;
     const std::vector<Vector3d> aside = AsideOf(rig_, cameras_);
     double least = MeanLoss(losses_);
@@ -307,8 +323,8 @@ class DepthAuditor {
   }
 
   /// One camera's move that explains nearly as much as several together: the others' common move is its opposite.
-  Expected<std::optional<std::vector<Camera>>> FindOneMove(double loss_of_several) {
-    std::optional<std::vector<Camera>> best;
+  Expected<std::optional<Moves>> FindOneMove(double loss_of_several) {
+    std::optional<Moves> best;
     double least = loss_of_several + kFewerMoves * (MeanLoss(losses_) - loss_of_several);
     for (std::size_t v = 0; v < delay_.size() && delay_.size() <= kFewViews; ++v) {
       if (Status tried = TryOneMove(v, cameras_, least, best); !tried) return Forward(tried);
@@ -316,24 +332,35 @@ class DepthAuditor {
     return best;
   }
 
-  /// Whether a camera's new pose explains more than noise, and more than its clock between two frames.
-  Expected<bool> IsReal(std::size_t v, double move, const std::vector<Camera>& found, const std::vector<double>& better,
-                        double& by_clock) {
+  /// Whether a camera's new pose explains more than noise, also when registered to half of the samples and judged by
+  /// the other half, and more than its clock between two frames. Sets the confidence.
+  Expected<bool> IsReal(std::size_t v, Moves& found, double& by_clock) {
+    const double move = MoveOf(cameras_[v], found.cameras[v]);
     if (move < kLeastMove) return false;
-    std::vector<Camera> without = found;
+    std::vector<Camera> without = found.cameras;
     without[v] = cameras_[v];
-    const auto both = Of(v, LossOfSamples(rig_, without), better);
-    if (ConfidenceOfSeparate(both.first, both.second) < options_.sure) return false;
+    const auto both = OfView(rig_, v, LossOfSamples(rig_, without), found.losses);
     const double loss = MeanLoss(both.second);
     const double left = 1.0 - std::min(kLeastMoveGain * move / kLeastMove, kSureGain);
     if (loss > kInconsistentViewsLoss || loss > left * MeanLoss(both.first)) return false;
-    if (delay_.size() > kMostViewsAudited || sampler_.together() < 2) return true;
-    if (by_clock < 0.0) {
-      const Expected<double> least = LeastLossBetweenFrames(sampler_, delay_, without, v);
-      if (!least) return Forward(least);
-      by_clock = *least;
+    if (delay_.size() <= kMostViewsAudited && sampler_.together() > 1) {
+      if (by_clock < 0.0) {
+        const Expected<double> least = LeastLossBetweenFrames(sampler_, delay_, without, v);
+        if (!least) return Forward(least);
+        by_clock = *least;
+      }
+      if (loss >= left * by_clock) return false;
     }
-    return loss < left * by_clock;
+    if (found.of_half.empty()) {
+      auto of_half = RegisterHalves(rig_, found.free, found.start);
+      if (!of_half) return Forward(of_half);
+      found.of_half = std::move(*of_half);
+    }
+    std::vector<std::vector<Camera>> unmoved = found.of_half;
+    for (std::vector<Camera>& of_half : unmoved) of_half[v] = cameras_[v];
+    const std::vector<double> worse = HeldOutLosses(rig_, unmoved), better = HeldOutLosses(rig_, found.of_half);
+    found.confidence[v] = OfAllTests(ConfidenceOfLosses(rig_, worse, better, v));
+    return found.confidence[v] >= options_.sure;
   }
 
   double MoveOf(const Camera& was, const Camera& is) const {
@@ -355,11 +382,8 @@ class DepthAuditor {
     const Camera& was = rig_.views[v].camera;
     const CameraMoveAt move = MoveBetween(was, cameras_[v], rig_.centre);
     if (move.shift == 0.0 && move.turn == 0.0) return;
-    std::vector<Camera> without = cameras_;
-    without[v] = was;
-    const auto both = Of(v, LossOfSamples(rig_, without), losses_);
     RigFault fault = CameraMoved(was, cameras_[v], rig_.centre);
-    fault.confidence = ConfidenceOfSeparate(both.first, both.second);
+    fault.confidence = move_confidence_.at(v);
     fault.corrected = CorrectsMoves();
     report_.faults.push_back(std::move(fault));
   }
@@ -382,6 +406,7 @@ class DepthAuditor {
   std::vector<int> delay_;  ///< (V) clock offset in frames
   std::vector<Camera> cameras_;
   std::map<std::size_t, ClockOffsetOfView> clocks_;
+  std::map<std::size_t, double> move_confidence_;  ///< of moved views
   ObservedRig rig_;
   std::vector<double> losses_;
   bool files_wrong_ = false;

@@ -62,7 +62,6 @@ std::vector<RigFault> FindInconsistentViews(const ObservedRig& rig, const std::v
   std::vector<RigFault> inconsistent_views;
   for (std::size_t v = 0; v < rig.views.size(); ++v) {
     if (!best[v] || *best[v] < kInconsistentViewLoss) continue;
-    const std::vector<double> seen = OfView(rig, v, losses, losses).first;
     const std::string& camera = rig.views[v].camera.name;
     RigFault fault =
         MakeFault(kContradictingView, camera, 100.0 * *best[v],
@@ -70,7 +69,8 @@ std::vector<RigFault> FindInconsistentViews(const ObservedRig& rig, const std::v
                       RoundedText(100.0 * *best[v], 2) + " % of its points" +
                       (exclude ? ", and the others agree with each other" : "") + ": its clock offset may exceed " +
                       RoundedText(1e3 * options.longest_s, 3) + " ms, or it shows another scene");
-    fault.confidence = ConfidenceOfSeparate(seen, std::vector<double>(seen.size(), kInconsistentViewLoss));
+    const std::vector<double> limit(losses.size(), kInconsistentViewLoss);
+    fault.confidence = ConfidenceOfTests(ConfidenceOfLosses(rig, losses, limit, v), rig.views.size());
     fault.corrected = exclude;
     if (fault.confidence >= kInconsistentViewConfidence) inconsistent_views.push_back(std::move(fault));
   }
@@ -190,21 +190,25 @@ Expected<std::optional<WrongDepths>> FindWrongDepths(const DepthRigSampler& samp
   const double distance = sight.norm() + farthest->norm() / static_cast<double>(cameras.size());  // as it sees it
   double middle = std::max(0.1, 1.0 - along / distance);
   found.loss = 1.0;
+  std::vector<std::vector<double>> candidates;
   for (double step = 0.01; step >= kFinestWayAside; step *= 0.5) {
     const int reach = step == 0.01 ? static_cast<int>(std::lround(kFactorReach / step)) : 1;
     for (int i = -reach; i <= reach; ++i) {
       const double factor = middle + step * i;
       if (factor <= 0.05) continue;
       DepthRigSampler corrected(WithDepths(sampler.views(), found.view, factor));
-      const Expected<ObservedRig> seen = corrected.Seen(delays);
+      Expected<ObservedRig> seen = corrected.Seen(delays);
       if (!seen) return Forward(seen);
-      const double loss = MeanLoss(LossOfSamples(*seen, cameras));
+      seen->pairs = rig.pairs;
+      candidates.push_back(LossOfSamples(*seen, cameras));
+      const double loss = MeanLoss(candidates.back());
       if (loss >= found.loss) continue;
       found.loss = loss;
       found.factor = factor;
     }
     middle = found.factor;
   }
+  if (!candidates.empty()) found.held_out = HeldOutCosts(candidates, HalvesOfSamples(rig));
   found.too_long = distance * (1.0 - found.factor);
   return std::optional<WrongDepths>(found);
 }

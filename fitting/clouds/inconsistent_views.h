@@ -42,9 +42,10 @@ std::vector<Vector3d> AsideOf(const ObservedRig& rig, const std::vector<Camera>&
 /// A view with wrong depths, by an offset or by a scale; both are equivalent at one distance.
 struct WrongDepths {
   std::size_t view = 0;
-  double factor = 1.0;    ///< that corrects them
-  double too_long = 0.0;  ///< metres at the person; negative: too short
-  double loss = 0.0;      ///< of the rig (MeanLoss) with corrected depths
+  double factor = 1.0;           ///< that corrects them
+  double too_long = 0.0;         ///< metres at the person; negative: too short
+  double loss = 0.0;             ///< of the rig (MeanLoss) with corrected depths
+  std::vector<double> held_out;  ///< LossOfSamples, each half with the factor that the other half chooses
 };
 
 /// The view whose person has the largest offset from the others, if along its line of sight. Includes the factor on its

@@ -10,9 +10,6 @@
 namespace mocurate {
 namespace {
 
-constexpr int kFramesPerGroup = 10;  ///< frames of a clip for each group of moments (numerical)
-/// Groups of moments; with two views as many as possible: each is one comparison (numerical).
-constexpr int kFewestGroups = 4;
 constexpr int kMostGroups = 6;                ///< groups of moments, at most (numerical)
 constexpr std::size_t kMostSurfaces = 120;    ///< surfaces, views times moments, at most (numerical)
 constexpr std::size_t kViewsAllCompared = 6;  ///< with more views, only neighbouring ones are compared (numerical)
@@ -38,10 +35,8 @@ DepthRigSampler::DepthRigSampler(std::vector<DepthView> views) : views_(std::mov
     bare_.back().metres_per_unit = view.metres_per_unit;
   }
   together_ = std::min(count(), 2);
-  const int fewest = views_.size() > 2 ? kFewestGroups : kMostGroups;
-  int groups = std::clamp(count() / kFramesPerGroup, fewest, kMostGroups);
   const auto most = static_cast<int>(kMostSurfaces / views_.size()) / together_;
-  groups = std::max(1, std::min({groups, count() / together_, most}));
+  const int groups = std::max(1, std::min({kMostGroups, count() / together_, most}));
   for (int g = 0; g < groups; ++g) {
     const int middle = (2 * g + 1) * count() / (2 * groups);
     frames_.push_back(std::clamp(middle, 0, count() - together_));

@@ -49,9 +49,37 @@ class Shifts {
     return both.first.size() < 2 || was <= 0.0 ? 0.0 : 1.0 - MeanLoss(both.second) / was;
   }
 
-  double Confident(int from, int to) const {
+  /// Decrease of the loss at `to`, summed over comparisons that both have: the rig's, since no other view changes.
+  double Decrease(int from, int to) const {
     const auto both = Both(from, to);
-    return ConfidenceOfSeparate(both.first, both.second);
+    return static_cast<double>(both.first.size()) * (MeanLoss(both.first) - MeanLoss(both.second));
+  }
+
+  /// Confidence that a clock offset of `offset` frames, by the parabola through the losses beside `at`, is not 0. Its
+  /// standard error is the larger of those from single comparisons and from groups of moments. Of one number, the
+  /// search favours no sign, so nothing is held out. The losses beside `at` must be loaded.
+  double Confident(int at, double offset) const {
+    std::vector<double> single, groups;
+    double bend = 0.0;
+    std::size_t group = 0;
+    const std::vector<double>&before = losses_.at(at - 1), &here = losses_.at(at), &after = losses_.at(at + 1);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (before[i] < 0.0 || here[i] < 0.0 || after[i] < 0.0) continue;
+      if (groups.empty() || i / rig_.pairs.size() != group) groups.push_back(0.0);
+      group = i / rig_.pairs.size();
+      const double bend_here = before[i] - 2.0 * here[i] + after[i];
+      single.push_back(0.5 * (after[i] - before[i]) + bend_here * (offset - at));
+      groups.back() += single.back();
+      bend += bend_here;
+    }
+    const auto confidence = [&](const std::vector<double>& slopes) {
+      if (slopes.size() < 2 || bend <= 0.0) return 0.0;
+      double square = 0.0;
+      for (const double slope : slopes) square += slope * slope;
+      const auto n = static_cast<double>(slopes.size());
+      return SpanConfidence(std::abs(offset) * bend / std::sqrt(square * n / (n - 1.0)), slopes.size());
+    };
+    return std::min(confidence(single), confidence(groups));
   }
 
  private:
@@ -100,23 +128,24 @@ Expected<int> BestShift(Shifts& shifts, int from, int longest) {
   return best;
 }
 
+/// The offset of a view that decreases the loss most, whatever its confidence.
 Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, const std::vector<int>& delays,
-                                                     const std::vector<Camera>& cameras, std::size_t view, int longest,
-                                                     double sure) {
+                                                     const std::vector<Camera>& cameras, std::size_t view,
+                                                     int longest) {
   Shifts shifts(sampler, delays, cameras, view);
   for (const int beside : {0, -1, 1}) {
     if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
   }
   std::vector<int> ways;
-  if (shifts.Gain(0, -1) > 0.0 && shifts.Confident(0, -1) >= sure) ways.push_back(-1);
-  if (shifts.Gain(0, 1) > 0.0 && shifts.Confident(0, 1) >= sure) ways.push_back(1);
+  for (const int way : {-1, 1}) {
+    if (shifts.Gain(0, way) > kLeastClockGain) ways.push_back(way);
+  }
   if (ways.empty() && MeanLoss(shifts.Both(0, 0).first) > kBadLoss) {
     for (const int step : kFarSteps) {
       for (const int way : {-1, 1}) {
         if (step > longest) continue;
         if (Status loaded = shifts.Load(way * step); !loaded) return Forward(loaded);
-        if (shifts.Gain(0, way * step) > kLeastClockGain && shifts.Confident(0, way * step) >= sure)
-          ways.push_back(way * step);
+        if (shifts.Gain(0, way * step) > kLeastClockGain) ways.push_back(way * step);
       }
       if (!ways.empty()) break;
     }
@@ -125,13 +154,15 @@ Expected<std::optional<ClockOffsetOfView>> FindShift(DepthRigSampler& sampler, c
   for (const int way : ways) {
     const Expected<int> shift = BestShift(shifts, way, longest);
     if (!shift) return Forward(shift);
-    const double gain = shifts.Gain(0, *shift), confidence = shifts.Confident(0, *shift);
-    if (gain < kLeastClockGain || confidence < sure || (best && gain <= best->gain)) continue;
+    const double decrease = shifts.Decrease(0, *shift);
+    if (shifts.Gain(0, *shift) < kLeastClockGain || (best && decrease <= best->decrease)) continue;
     for (const int beside : {*shift - 1, *shift + 1}) {
       if (Status loaded = shifts.Load(beside); !loaded) return Forward(loaded);
     }
     const double before = 1.0 - shifts.Gain(*shift, *shift - 1), after = 1.0 - shifts.Gain(*shift, *shift + 1);
-    best = ClockOffsetOfView{view, *shift, *shift + Least(before, 1.0, after).first, confidence, gain};
+    const double offset = *shift + Least(before, 1.0, after).first;
+    const double confidence = ConfidenceOfTests(shifts.Confident(*shift, offset), kTestsOfView * delays.size());
+    best = ClockOffsetOfView{view, *shift, offset, confidence, decrease};
   }
   return best;
 }
@@ -144,11 +175,11 @@ Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& samp
   std::optional<ClockOffsetOfView> best;
   if (longest < 1 || sampler.together() < 2) return best;
   for (std::size_t v = 0; v < delays.size(); ++v) {
-    const auto found = FindShift(sampler, delays, cameras, v, longest, sure);
+    const auto found = FindShift(sampler, delays, cameras, v, longest);
     if (!found) return Forward(found);
-    if (*found && (!best || (*found)->gain >= best->gain)) best = **found;
+    if (*found && (!best || (*found)->decrease >= best->decrease)) best = **found;
   }
-  return best;
+  return best && best->confidence >= sure ? best : std::nullopt;
 }
 
 Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vector<int>& delays,

@@ -14,14 +14,14 @@ struct ClockOffsetOfView {
   std::size_t view = 0;
   int frames = 0;           ///< its image this many frames later matches the other views
   double offset = 0.0;      ///< the offset in frames with a fraction, from a parabola through the losses
-  double confidence = 0.0;  ///< that its agreement with the others improves
-  double gain = 0.0;        ///< relative reduction of the loss of its comparisons
+  double confidence = 0.0;  ///< that the offset is not 0
+  double decrease = 0.0;    ///< of the losses of its comparisons, summed
 };
 
-/// The view whose agreement with the others improves most at another frame offset, with confidence `sure`. Offsets are
-/// at most `longest` frames from `delays`. First tries one frame to each side, whose images the sampler has loaded,
-/// then continues in the direction of the lower loss. Views with a high loss are also tried farther away. Of two views
-/// the second is corrected. Errors of ReadFrame.
+/// The view whose agreement with the others improves most at another frame offset, if that is not 0 with confidence
+/// `sure`. Offsets are at most `longest` frames from `delays`. First tries one frame to each side, whose images the
+/// sampler has loaded, then continues in the direction of the lower loss. Views with a high loss are also tried farther
+/// away. Of two views the second is corrected. Errors of ReadFrame.
 Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& sampler, const std::vector<int>& delays,
                                                            const std::vector<Camera>& cameras, int longest,
                                                            double sure);

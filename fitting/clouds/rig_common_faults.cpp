@@ -92,13 +92,12 @@ std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::ve
   found.loss = found.loss_after = MeanLoss(losses);
   if (found.loss < kContradictingLoss) return {};
   const std::vector<Camera> cameras = CamerasOf(rig.views);
-  std::vector<double> better;
+  std::vector<std::vector<double>> candidates{losses};
   const auto improves = [&](const ChangedRig& changed) {
-    std::vector<double> of_changed = LossOfSamples(changed.rig, cameras);
-    const double loss = MeanLoss(of_changed);
+    candidates.push_back(LossOfSamples(changed.rig, cameras));
+    const double loss = MeanLoss(candidates.back());
     if (loss >= found.loss_after) return false;
     found.loss_after = loss;
-    better = std::move(of_changed);
     return true;
   };
   for (double factor = kShortestFactor; factor <= kLongestFactor; factor += kCoarseStep) {
@@ -113,7 +112,7 @@ std::optional<CommonFault> FindCommonFault(const ObservedRig& rig, const std::ve
   if (improves(Changed(rig, MirrorSurface))) found.mirrored = true, found.factor = 1.0;
   const bool off = found.mirrored || std::abs(found.factor - 1.0) >= kLeastOff;
   if (!off || found.loss_after > kMuchBetterInCommon * found.loss) return {};
-  found.confidence = ConfidenceOfLosses(losses, better);
+  found.confidence = ConfidenceOfLosses(rig, losses, HeldOutCosts(candidates, HalvesOfSamples(rig)));
   return found;
 }
 

@@ -16,7 +16,7 @@ struct CommonFault {
   double factor = 1.0;      ///< that corrects all depths
   double loss = 0.0;        ///< of the rig (MeanLoss) as given
   double loss_after = 0.0;  ///< and after the correction
-  double confidence = 0.0;
+  double confidence = 0.0;  ///< that it is better than as given (HeldOutCosts)
 };
 
 /// Finds depths that are all too long or too short by one factor (0.7 to 1.4), or images that are all mirrored.

@@ -79,13 +79,15 @@ std::optional<FileExchange> FindFileExchange(const ObservedRig& rig, const std::
     all.push_back(LossOfSamples(exchanged.With(source), cameras));
     const double loss = MeanLoss(all.back());
     if (loss > kMuchBetterExchanged * given || (best && loss >= best->exchanged)) continue;
-    best = FileExchange{source, given, loss, true, ConfidenceOfLosses(losses, all.back())};
+    best = FileExchange{source, given, loss, true, 0.0};
     chosen = all.size() - 1;
   }
   if (!best) return {};
+  const std::vector<double> held_out = HeldOutCosts(all, HalvesOfSamples(rig));
+  best->confidence = ConfidenceOfLosses(rig, losses, held_out);
   for (std::size_t i = 0; i < all.size(); ++i) {
     best->unique = best->unique && (i == chosen || MeanLoss(all[i]) > kEqualLossRatio * best->exchanged);
-    if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOfLosses(all[i], all[chosen]));
+    if (i != chosen) best->confidence = std::min(best->confidence, ConfidenceOfLosses(rig, all[i], held_out));
   }
   return best;
 }

@@ -15,7 +15,7 @@ struct FileExchange {
   double loss = 0.0;                ///< as given
   double exchanged = 0.0;           ///< after the exchange
   bool unique = true;               ///< no other exchange explains about as much; false for a symmetric rig
-  double confidence = 0.0;          ///< that it is better than as given, and than any other exchange
+  double confidence = 0.0;          ///< that it is better than as given, and than any other exchange (HeldOutCosts)
 };
 
 /// The exchange of whole files between cameras of one image size that makes views agree. Tests all permutations of up

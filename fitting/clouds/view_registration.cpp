@@ -176,19 +176,65 @@ double MeanLoss(const std::vector<double>& losses) {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<double>& better) {
-  std::pair<std::vector<double>, std::vector<double>> both;
-  for (std::size_t i = 0; i < worse.size(); ++i) {
-    if (worse[i] < 0.0 || better[i] < 0.0) continue;
-    both.first.push_back(worse[i]);
-    both.second.push_back(better[i]);
+double ConfidenceOfLosses(const ObservedRig& rig, const std::vector<double>& worse, const std::vector<double>& better,
+                          std::optional<std::size_t> view) {
+  std::vector<double> was, is, was_of_groups, is_of_groups;
+  const std::size_t pairs = rig.pairs.size();
+  for (std::size_t begin = 0; begin < worse.size(); begin += pairs) {
+    double was_sum = 0.0, is_sum = 0.0, count = 0.0;
+    for (std::size_t i = begin; i < begin + pairs; ++i) {
+      const auto& [a, b] = rig.pairs[i - begin];
+      if (worse[i] < 0.0 || better[i] < 0.0 || (view && a != *view && b != *view)) continue;
+      was.push_back(worse[i]), is.push_back(better[i]);
+      was_sum += worse[i], is_sum += better[i], count += 1.0;
+    }
+    if (count > 0.0) was_of_groups.push_back(was_sum / count), is_of_groups.push_back(is_sum / count);
   }
-  return ConfidenceOfSeparate(both.first, both.second);
+  const double of_samples = ConfidenceOfSeparate(was, is);
+  return worse.size() == pairs ? of_samples : std::min(of_samples, ConfidenceOfSeparate(was_of_groups, is_of_groups));
 }
 
 Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector<bool>& free,
                                        std::vector<Camera> from) {
   return Registration(rig, free, std::move(from)).Run();
+}
+
+std::vector<int> HalvesOfSamples(const ObservedRig& rig) {
+  const std::size_t pairs = rig.pairs.size(), groups = rig.moments.size() / static_cast<std::size_t>(rig.together);
+  std::vector<int> halves;
+  for (std::size_t i = 0; i < groups * pairs; ++i) halves.push_back(static_cast<int>((groups > 1 ? i / pairs : i) % 2));
+  return halves;
+}
+
+Expected<std::vector<std::vector<Camera>>> RegisterHalves(const ObservedRig& rig, const std::vector<bool>& free,
+                                                          const std::vector<Camera>& from) {
+  const auto together = static_cast<std::size_t>(rig.together);
+  const bool by_groups = rig.moments.size() > together;
+  std::vector<std::vector<Camera>> of_half;
+  for (std::size_t half = 0; half < 2; ++half) {
+    ObservedRig some = rig;
+    some.moments.clear(), some.pairs.clear();
+    for (std::size_t m = 0; m < rig.moments.size(); ++m) {
+      if (!by_groups || m / together % 2 == half) some.moments.push_back(rig.moments[m]);
+    }
+    for (std::size_t p = 0; p < rig.pairs.size(); ++p) {
+      if (by_groups || p % 2 == half) some.pairs.push_back(rig.pairs[p]);
+    }
+    Expected<std::vector<Camera>> found = Register(some, free, from);
+    if (!found) return Forward(found);
+    of_half.push_back(std::move(*found));
+  }
+  return of_half;
+}
+
+std::vector<double> HeldOutLosses(const ObservedRig& rig, const std::vector<std::vector<Camera>>& of_half) {
+  const std::vector<int> halves = HalvesOfSamples(rig);
+  std::vector<double> losses = LossOfSamples(rig, of_half[1]);
+  const std::vector<double> of_second = LossOfSamples(rig, of_half[0]);
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    if (halves[i] == 1) losses[i] = of_second[i];
+  }
+  return losses;
 }
 
 CameraMoveAt MoveBetween(const Camera& given, const Camera& other, const Vector3d& centre) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,14 +36,26 @@ std::vector<double> LossOfSamples(const ObservedRig& rig, const std::vector<Came
 /// Mean of the losses without kNotObserved; 0 without any.
 double MeanLoss(const std::vector<double>& losses);
 
-/// Confidence that losses are lower than others, over samples that both have (ConfidenceOfSeparate).
-double ConfidenceOfLosses(const std::vector<double>& worse, const std::vector<double>& better);
+/// Confidence that losses are lower than others, over samples that both have, of pairs with `view` if given: the lower
+/// one of single samples and of the means of groups of moments, where there is more than one.
+double ConfidenceOfLosses(const ObservedRig& rig, const std::vector<double>& worse, const std::vector<double>& better,
+                          std::optional<std::size_t> view = {});
+
+/// Half (0, 1) of each sample of LossOfSamples: alternate groups of moments; of one group, alternate pairs.
+std::vector<int> HalvesOfSamples(const ObservedRig& rig);
 
 /// Registers the free cameras of a rig to the others by their common surfaces. Minimises point-to-plane distances over
 /// all moments, with new matches after every step. Each step is a pose graph over the free cameras (node 0: all others)
 /// whose edges are the normal equations of the pairs. A camera without matches keeps its pose. `from`: initial cameras.
 /// Errors of SolvePoseGraph.
 Expected<std::vector<Camera>> Register(const ObservedRig& rig, const std::vector<bool>& free, std::vector<Camera> from);
+
+/// (2) cameras registered to the samples of each half alone (HalvesOfSamples). Errors of Register.
+Expected<std::vector<std::vector<Camera>>> RegisterHalves(const ObservedRig& rig, const std::vector<bool>& free,
+                                                          const std::vector<Camera>& from);
+
+/// LossOfSamples, the samples of each half with the cameras `of_half` of the other half.
+std::vector<double> HeldOutLosses(const ObservedRig& rig, const std::vector<std::vector<Camera>>& of_half);
 
 /// Displacement of the person by a change of a camera's pose: rotation about the centre and shift there.
 struct CameraMoveAt {

@@ -113,8 +113,8 @@ void PrintRig(const nlohmann::json& summary, const fs::path& output) {
     if (!camera.at("confidence").is_null()) {
       const std::string of = camera.at("confidence_of").get<std::string>();
       const std::string percent = RoundedText(100.0 * camera.at("confidence").get<double>(), 4) + " %";
-      line += of == "spans_of_one_take" ? "; repeatable to " + percent + " within this take"
-                                        : "; confidence " + percent + (of == "takes" ? " between takes" : "");
+      line += "; confidence " + percent;
+      if (of != "model") line += of == "takes" ? " between takes" : " within this take";
     }
     Print("%s\n", line.c_str());
   }

@@ -76,7 +76,7 @@ TEST_F(DepthInconsistentViews, ReportOnlyMakesTheClipSuspect) {
     ASSERT_TRUE(reported) << reported.error().Message();
     EXPECT_EQ(reported->views.size(), 3u);
     EXPECT_TRUE(reported->report.IsAmbiguous()) << FaultLines(reported->report);
-    EXPECT_EQ(FindingsOf(reported->report)[0].action, FindingAction::kFlagged);
+    EXPECT_EQ(FindingsOf(reported->report)[0].action, FindingAction::kFlagged) << FaultLines(reported->report);
   }
 }
 
