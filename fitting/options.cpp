@@ -69,8 +69,8 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last) {
 
 void JointTrackOptions::Declare(OptionVisitor& v) {
   v.Renamed("solver", "fitting.solver");
-  v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0},
-           "residuals beyond this many sigmas count linearly (Huber loss)");
+  v.Number("huber_share", huber_share, Unit::kNone, {1e-6, 0.9},
+           "share of clean samples whose residuals count linearly, as those of outliers do (Huber loss)");
   v.Number("rotation_process_noise", priors.rotation_noise, Unit::kNone, {1e-3, 1e3},
            "process noise of a joint's rotation, radians per square root second");
   v.Number("velocity_process_noise", priors.position_noise, Unit::kNone, {1e-3, 1e3},
@@ -139,8 +139,8 @@ void PointCloudOptions::Declare(OptionVisitor& v) {
            "process noise of the root's position, metres per square root second");
   v.Number("rest_sigma", priors.rest, Unit::kRadian, {1e-2, 1e3},
            "standard deviation of a joint's angle from the rest pose; less for trunk, feet and hands");
-  v.Number("huber_sigmas", huber_sigmas, Unit::kNone, {0.5, 100.0},
-           "residuals beyond this many sigmas count linearly (Huber loss)");
+  v.Number("huber_share", huber_share, Unit::kNone, {1e-6, 0.9},
+           "share of clean samples whose residuals count linearly, as those of outliers do (Huber loss)");
   v.Bool("uncertainty", uncertainty, "covariance of joint positions, standard deviation of rotations");
 }
 

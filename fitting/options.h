@@ -69,7 +69,7 @@ std::vector<TrackStep> StepsWithRefits(int refits, const TrackStep& last = {});
 struct JointTrackOptions {
   PoseSolver solver = PoseSolver::kCeres;  ///< not an option of the group: FittingOptions::UseSolver
   PriorValues priors = PriorValues::OfTracks();
-  double huber_sigmas = 2.5;  ///< residuals beyond this many sigmas count linearly
+  double huber_share = 0.1;  ///< of clean samples, whose residuals count linearly. Source: bench_studio_fits 201
   /// m per sqrt(s) of ankles and toes that the previous step has in contact with the floor; none: no contact prior.
   std::optional<double> contact_process_noise = 0.02;
   bool recorded_rotations = true;  ///< rotations that the source recorded are evidence beside the positions
@@ -149,7 +149,7 @@ struct PointCloudOptions {
   CloudStartOptions start;
   RigAuditOptions audit;
   std::int64_t iterations = 40;  ///< of matching points to capsules, at most, per frame
-  double huber_sigmas = 2.5;
+  double huber_share = 0.1;
   bool uncertainty = true;  ///< covariance of joints, standard deviation of rotations
   Rules rules;              ///< not an option of the group: FittingOptions::UseRules
 

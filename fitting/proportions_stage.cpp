@@ -35,7 +35,7 @@ Finding NothingFrom(const Clip& clip, const Error& error) {
 }
 
 constexpr double kSizesApart = 0.08;  ///< of the logarithm of a size; beyond, tracks and clouds show different bodies
-constexpr double kMaxShapeDeviation = 3.5;  ///< standard deviations of a component
+constexpr double kMaxShapeDeviation = 3.0;  ///< standard deviations of a component; one person in 37 has more of ten
 
 /// A person's clips and their ids.
 struct PersonClips {

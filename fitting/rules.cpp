@@ -6,6 +6,7 @@ namespace mocurate {
 
 const std::vector<std::string>& FittingRuleNames() {
   static const std::vector<std::string> names = {
+      "body_errors",
       "uncertainty_calibration",
       "variance_factor",
       "least_variance_factor",
@@ -15,13 +16,8 @@ const std::vector<std::string>& FittingRuleNames() {
       "autocorrelated_error",
       "persistent_residuals",
       "gap_inflation",
-      "gap_floor",
-      "frame_orientation",
-      "body_covariance",
-      "second_order_covariance",
       "ambiguous_rig_covariance",
       "low_coverage",
-      "body_errors",
       "unknown_shape",
       "body_error_factor",
       "patch_share",

@@ -11,7 +11,9 @@ namespace mocurate {
 /// Rules of a fit that have no option of their own. All are on; `fitting.without` switches single ones off to measure
 /// what each contributes (docs/fitting_ablation.md says what happens without each).
 enum class FittingRule {
-  // Stated uncertainty of joint tracks and triangulated keypoints.
+  // Stated uncertainty of all fits.
+  kBodyErrors,
+  // Of joint tracks and triangulated keypoints.
   kUncertaintyCalibration,
   kVarianceFactor,
   kLeastVarianceFactor,
@@ -21,14 +23,9 @@ enum class FittingRule {
   kAutocorrelatedError,
   kPersistentResiduals,
   kGapInflation,
-  kGapFloor,
-  kFrameOrientation,
-  kBodyCovariance,
-  kSecondOrderCovariance,
   kAmbiguousRigCovariance,
   // Stated uncertainty of depth fits.
   kLowCoverage,
-  kBodyErrors,
   kUnknownShape,
   kBodyErrorFactor,
   kPatchShare,

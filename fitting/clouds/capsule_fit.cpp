@@ -117,7 +117,7 @@ double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const Pose
 std::vector<double> PointCosts(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                const PoseState& state, const PointCloudOptions& options) {
   const double share = fit.point_weight * PatchShare(options), weight = share / fit.sigma;
-  const double huber = share * options.huber_sigmas;
+  const double huber = share * HuberSigmas(options.huber_share, 1);
   std::vector<double> costs(static_cast<std::size_t>(cloud.size()),
                             0.5 * HuberValue(Square(weight * options.max_distance), huber));
   for (const CloudMatch& match : MatchPoints(body, state, fit.frame, cloud, options.max_distance))

@@ -27,6 +27,9 @@ constexpr std::array<double, 7> kFactorsOfFew = {0.85, 0.92, 1.0, 1.08, 1.16, 1.
 constexpr std::array<double, 4> kUsualScales = {0.87, 0.95, 1.03, 1.11};
 /// Scales with the lowest cost, refined by a limb search (numerical).
 constexpr std::size_t kLimbsOfScales = 4;
+/// Of these, scales that are refined: neighbours differ by less than what refining a scale and its radii gains
+/// (numerical).
+constexpr std::size_t kRefinedScales = 2;
 /// Factors on the best scale of stances: with arms in front of the chest it was 3 to 9 % too large (`synthesize
 /// --layout rendered_seq --seed 6001 --set subjects=24`, p13 and p16).
 constexpr std::array<double, 3> kFactorsOfLimbs = {0.93, 1.0, 1.07};
@@ -316,11 +319,18 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   const auto start = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kUpright); };
   const auto limbs = [&](const PosedSize& size) { return search.StartAt(size.scale, StartSearch::kUprightAndLimbs); };
   if (Status ok = ImproveEach(sizes, kLimbsOfScales, start); !ok) return Forward(ok);
-  if (Status ok = ImproveEach(sizes, 1, limbs); !ok) return Forward(ok);
-  Expected<PosedSize> refined = search.Downhill(sizes[0], kNarrowStep);
-  if (!refined) return refined;
-  Expected<PosedSize> found = limbs(*refined);
-  return !found || found->cost < sizes[0].cost ? found : sizes[0];
+  if (Status ok = ImproveEach(sizes, kRefinedScales, limbs); !ok) return Forward(ok);
+  const auto refine = [&](const PosedSize& size) -> Expected<PosedSize> {
+    const Expected<PosedSize> refined = search.Downhill(size, kNarrowStep);
+    if (!refined) return refined;
+    Expected<PosedSize> found = limbs(*refined);
+    if (!found) return found;
+    PosedSize kept = found->cost < size.cost ? std::move(*found) : size;
+    kept.cost = refined->cost;
+    return kept;
+  };
+  if (Status ok = ImproveEach(sizes, 1, refine); !ok) return Forward(ok);
+  return sizes[0];
 }
 
 tl::unexpected<Error> NoPerson(double height, const PointCloudOptions& options) {

@@ -44,7 +44,7 @@ StepTerm StepInClouds(int joints, double seconds, const PointCloudOptions& optio
 PoseTerms CloudTerms(const CapsuleBody& body, const PointCloudOptions& options) {
   PoseTerms terms;
   terms.body = &body;
-  terms.huber = options.huber_sigmas;
+  terms.huber = HuberSigmas(options.huber_share, 3);
   terms.limit = 1.0 / options.priors.limit;
   return terms;
 }
@@ -55,7 +55,7 @@ FrameTerms TermsOfFit(const CapsuleBody& body, const FusedCloud& cloud, const Fr
   FrameTerms terms;
   terms.frame = fit.frame;
   terms.points = fit.joints;
-  terms.surface = {&cloud.points, std::move(matches), share / sigma, share * options.huber_sigmas};
+  terms.surface = {&cloud.points, std::move(matches), share / sigma, share * HuberSigmas(options.huber_share, 1)};
   terms.pose = fit.pose;
   terms.priors = PriorsInClouds(*body.skeleton, fit.pose, options);
   const int joints = body.skeleton->joint_count();

@@ -17,7 +17,7 @@
 #include "fitting/solver/one_thread.h"
 #include "fitting/solver/rest_sigmas.h"
 #include "fitting/terms/huber.h"
-#include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/body_response.h"
 #include "fitting/uncertainty/calibration.h"
 
 namespace mocurate {

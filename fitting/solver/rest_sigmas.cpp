@@ -9,16 +9,18 @@
 namespace mocurate {
 namespace {
 
-/// Factor on the standard deviation of hips, knees, shoulders and elbows.
-constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1", 0.2},
-                                                                      {"spine2", 0.2},
-                                                                      {"spine3", 0.2},
-                                                                      {"neck", 0.2},
-                                                                      {"head", 0.2},
-                                                                      {"collar", 0.15},
+/// Factor on the standard deviation of hips, knees, shoulders and elbows. Of trunk, neck, head, collars and wrists:
+/// root mean square per axis about a clip's mean posture in the 1,020 clips of Bandai-Namco's motions, where the trunk
+/// has two joints.
+constexpr std::array<std::pair<const char*, double>, 9> kMobility = {{{"spine1", 0.12},
+                                                                      {"spine2", 0.12},
+                                                                      {"spine3", 0.12},
+                                                                      {"neck", 0.12},
+                                                                      {"head", 0.12},
+                                                                      {"collar", 0.06},
                                                                       {"ankle", 0.3},
                                                                       {"foot", 0.2},
-                                                                      {"wrist", 0.3}}};
+                                                                      {"wrist", 0.25}}};
 
 }  // namespace
 

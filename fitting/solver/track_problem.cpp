@@ -7,7 +7,7 @@ namespace mocurate {
 Matrix3d TrackProblem::RobustInformation(int frame, int joint) const {
   const Vector3d away = state.position(frame, joint) - tracks.positions.at(frame, joint);
   const Matrix3d information = Information(frame, joint);
-  return HuberSlope(away.dot(information * away), options.huber_sigmas) * information;
+  return HuberSlope(away.dot(information * away), huber) * information;
 }
 
 StepTerm TrackProblem::StepAfter(int frame) const {
@@ -23,7 +23,7 @@ StepTerm TrackProblem::StepAfter(int frame) const {
 
 PoseTerms TrackProblem::Terms(int begin, int end, bool after_fixed) const& {
   PoseTerms terms;
-  terms.huber = options.huber_sigmas;
+  terms.huber = huber;
   terms.limit = 1.0 / options.priors.limit;
   const bool hinged = options.priors.hinge > 0.0;
   if (hinged) terms.hinge = 1.0 / options.priors.hinge;

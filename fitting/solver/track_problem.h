@@ -32,6 +32,7 @@ struct TrackProblem {
         sigma(noise),
         options(with),
         hinges(HingesOf(*of.skeleton)),
+        huber(HuberSigmas(with.huber_share, 3)),
         rest_sigma(RestPoseSigmas(*of.skeleton, with.priors.rest)),
         shown(of.JointObservations()) {}
 
@@ -40,6 +41,7 @@ struct TrackProblem {
   double sigma;  ///< of the tracks, metres per axis
   const JointTrackOptions& options;
   std::vector<std::optional<Hinge>> hinges;        ///< (J)
+  double huber;                                    ///< length of a white residual from which it counts linearly
   std::vector<double> rest_sigma;                  ///< (J) rad, per axis of a joint's angle from the rest pose
   std::vector<bool> shown;                         ///< (J) in any frame
   const ProcessNoiseScale* noise_scale = nullptr;  ///< none: 1 everywhere

@@ -19,4 +19,16 @@ inline double HuberSlope(double square, double sigmas) {
   return square <= sigmas * sigmas ? 1.0 : sigmas / std::sqrt(square);
 }
 
+/// The length of a white residual of one or three coordinates that this share of clean samples exceeds.
+inline double HuberSigmas(double share, int coordinates) {
+  double least = 0.0, most = 40.0;
+  for (int i = 0; i < 60; ++i) {
+    const double r = 0.5 * (least + most);
+    double beyond = std::erfc(r * M_SQRT1_2);
+    if (coordinates == 3) beyond += M_SQRT1_2 * M_2_SQRTPI * r * std::exp(-0.5 * r * r);
+    (beyond > share ? least : most) = r;
+  }
+  return most;
+}
+
 }  // namespace mocurate

@@ -35,7 +35,24 @@ struct Coupling {
   void operator()(const PoseRows&) {}
 };
 
+/// What the end of a bone moves by per standard deviation (3 x 3, world).
+Matrix3d MoveOfEnd(const PoseState& state, int frame, int joint, const BodyDeviations& deviations) {
+  const auto at = static_cast<std::size_t>(joint);
+  Matrix3d axes = Matrix3d::Identity();
+  if (!deviations.length_measured.empty() && deviations.length_measured[at]) {
+    const Vector3d along =
+        (state.position(frame, joint) - state.position(frame, state.parent(joint))).stableNormalized();
+    axes -= along * along.transpose();
+  }
+  return deviations.bone[at] * axes;
+}
+
 }  // namespace
+
+double SpreadOfBone(const Skeleton& skeleton, int bone) {
+  const int start = skeleton.joints[bone].parent;
+  return skeleton.joints[start].mirror == start ? kTrunkSigma : kLimbSigma;
+}
 
 BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int index,
                            const BodyDeviations& deviations) {
@@ -69,13 +86,19 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
   for (std::size_t j = 0; j < joints; ++j) {
     if (columns.of(static_cast<int>(j)) >= 0) twist[j] = TwistOf(state, frame, static_cast<int>(j));
   }
-  // Columns: three of each bone that is not exact, along the world's axes, then those of the capsules with points.
-  std::vector<int> bone(joints, -1);
+  // Columns: three of each bone that is not exact, of points beside their joints and of fixed joints, along the world's
+  // axes, then those of the capsules with points.
+  std::vector<int> bone(joints, -1), point(joints, -1), fixed(joints, -1);
   int count = 0;
-  for (std::size_t j = 1; j < joints; ++j) {
-    if (!(deviations.bone[j] > 0.0)) continue;
-    bone[j] = count;
+  const auto add = [&](const std::vector<double>& sigma, std::size_t j, int& column) {
+    if (sigma.empty() || !(sigma[j] > 0.0)) return;
+    column = count;
     count += 3;
+  };
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (j > 0) add(deviations.bone, j, bone[j]);
+    if (!sums.points[j].isZero(0.0)) add(deviations.point, j, point[j]);
+    if (columns.of(static_cast<int>(j)) < 0) add(deviations.fixed, j, fixed[j]);
   }
   std::vector<int> capsule(capsules, -1);
   for (std::size_t c = 0; c < capsules; ++c) {
@@ -84,16 +107,21 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
     count += kOfCapsule;
   }
   Eigen::MatrixXd coupled = Eigen::MatrixXd::Zero(columns.size(), count);
-  for (std::size_t j = 1; j < joints; ++j) {
-    if (bone[j] < 0) continue;
-    const int joint = static_cast<int>(j);
-    Eigen::Matrix<double, 6, 3> moved = sums.bodies[j].leftCols<3>();  // by the twist of what is above the bone
-    moved.topRows<3>() += sums.points[j];
-    moved.bottomRows<3>() += Hat(state.position(frame, joint) - state.position(frame, 0)) * sums.points[j];
-    moved *= deviations.bone[j];
-    coupled.block<3, 3>(0, bone[j]) = moved.topRows<3>();
+  // Couples columns with what is above a joint, by what a move along them does to its twist.
+  const auto couple_above = [&](int joint, int column, const Eigen::Matrix<double, 6, 3>& moved) {
+    coupled.block<3, 3>(0, column) = moved.topRows<3>();
     for (const int a : state.path(joint))
-      coupled.block<3, 3>(columns.of(a), bone[j]).noalias() = twist[static_cast<std::size_t>(a)].transpose() * moved;
+      coupled.block<3, 3>(columns.of(a), column).noalias() = twist[static_cast<std::size_t>(a)].transpose() * moved;
+  };
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int joint = static_cast<int>(j);
+    Eigen::Matrix<double, 6, 3> of_point;
+    of_point << sums.points[j], Hat(state.position(frame, joint) - state.position(frame, 0)) * sums.points[j];
+    // The observed point moves against the joint: as a residual of the opposite sign.
+    if (point[j] >= 0) couple_above(joint, point[j], deviations.point[j] * of_point);
+    if (bone[j] < 0) continue;
+    const Matrix3d end = MoveOfEnd(state, frame, joint, deviations);
+    couple_above(joint, bone[j], (sums.bodies[j].leftCols<3>() + of_point) * end);
     for (std::size_t below = j; below < joints; ++below) {
       const int column = columns.of(static_cast<int>(below));
       if (column < 0) continue;
@@ -101,7 +129,7 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
       for (const int on : state.bones(static_cast<int>(below))) carried = carried || on == joint;
       if (!carried) continue;
       coupled.block<3, 3>(column, bone[j]).noalias() =
-          deviations.bone[j] * twist[below].transpose() * sums.bodies[below].leftCols<3>();
+          twist[below].transpose() * sums.bodies[below].leftCols<3>() * end;
     }
   }
   for (std::size_t c = 0; c < capsules; ++c) {
@@ -131,8 +159,9 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
     Eigen::Matrix<double, 3, Eigen::Dynamic> place =
         PointMotion(state.position(frame, joint) - state.position(frame, 0)) * moved[j];
     if (bone[j] >= 0) {
-      place.middleCols<3>(bone[j]) += deviations.bone[j] * Matrix3d::Identity();
-      moved[j].block<3, 3>(0, bone[j]) += deviations.bone[j] * Matrix3d::Identity();
+      const Matrix3d end = MoveOfEnd(state, frame, joint, deviations);
+      place.middleCols<3>(bone[j]) += end;
+      moved[j].block<3, 3>(0, bone[j]) += end;
     }
     position_[j].noalias() = place * place.transpose();
     if (const int column = columns.of(joint); column >= 0) {
@@ -140,6 +169,10 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
           state.right_jacobian(frame, joint) * response.middleRows<3>(column);
       rotation_[j].noalias() = turned * turned.transpose();
       moved[j].noalias() += twist[j] * response.middleRows<3>(column);
+    } else if (fixed[j] >= 0) {
+      moved[j].block<3, 3>(0, fixed[j]) +=
+          deviations.fixed[j] * Hat(state.position(frame, joint) - state.position(frame, 0));
+      moved[j].block<3, 3>(3, fixed[j]) += deviations.fixed[j] * Matrix3d::Identity();
     }
   }
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/body_response.h"
 #include "fitting/uncertainty/frame_covariances.h"
 
 namespace mocurate {

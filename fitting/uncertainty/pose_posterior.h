@@ -7,6 +7,8 @@
 
 namespace mocurate {
 
+constexpr double kUnknownAngle = 3.289868133696453;  ///< rad^2; variance of a uniform angle, pi^2 / 3 (numerical)
+
 /// What a fit knows of a frame's pose: the inverse of the information of the problem that was solved, for its joints.
 struct PosePosterior {
   std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2

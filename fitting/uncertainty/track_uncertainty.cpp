@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/geometry/rotation.h"
-#include "fitting/uncertainty/body_sigma.h"
+#include "fitting/uncertainty/body_response.h"
 #include "fitting/uncertainty/calibration.h"
 #include "fitting/uncertainty/frame_covariances.h"
 #include "fitting/uncertainty/pose_posterior.h"
@@ -18,8 +18,6 @@ constexpr double kSmallestFactor = 0.25;
 /// Factor on the variance without that rule: covariances must be invertible (numerical).
 constexpr double kPositiveFactor = 1e-6;
 constexpr double kSmallestShare = 0.2;  ///< of an observation's three coordinates that count as redundant, at least
-
-constexpr double kSmallestVariance = 1e-12;  ///< m^2, of three axes (numerical)
 
 /// Variance of a joint's rotation per axis of its frame without evidence (F*J): that of the same equations (rest pose,
 /// limits, hinges, process noise) where every joint is seen with a sigma of 1e4 times its own, which only keeps the
@@ -114,58 +112,23 @@ class Reader {
   Freedom& freedom_;
 };
 
-/// Factors on the covariances of positions, (F*J): `factor` where a joint is observed; else that of its gap, but at
-/// least the smaller variance at the gap's two ends.
-std::vector<double> FactorsOfPositions(const SkeletonTracks& tracks, const std::vector<double>& growth, double factor,
-                                       const std::vector<float>& position_cov, bool at_least_ends) {
-  std::vector<double> factors(growth.size());
-  const auto variance = [&](std::size_t at) {
-    return static_cast<double>(position_cov[6 * at]) + position_cov[6 * at + 3] + position_cov[6 * at + 5];
-  };
-  const auto joints = static_cast<std::size_t>(tracks.joints());
-  for (std::size_t j = 0; j < joints; ++j) {
-    double before = 0.0;  // variance where it was last observed; 0: never
-    for (int f = 0; f < tracks.frames(); ++f) {
-      const std::size_t at = static_cast<std::size_t>(f) * joints + j;
-      if (tracks.seen(f, static_cast<int>(j))) {
-        factors[at] = factor;
-        before = factor * variance(at);
-        continue;
-      }
-      int next = f;
-      while (next < tracks.frames() && !tracks.seen(next, static_cast<int>(j))) ++next;
-      const double after =
-          next < tracks.frames() ? factor * variance(static_cast<std::size_t>(next) * joints + j) : 0.0;
-      const double ends = before > 0.0 && after > 0.0 ? std::min(before, after) : std::max(before, after);
-      const double least = at_least_ends ? ends : 0.0;
-      for (; f < next; ++f) {
-        const std::size_t unseen = static_cast<std::size_t>(f) * joints + j;
-        factors[unseen] = std::max(growth[unseen], least / std::max(variance(unseen), kSmallestVariance));
-      }
-      --f;
-    }
-  }
-  return factors;
-}
-
-/// Scales the variance from evidence by `factor`, the a-posteriori variance. Positions unobserved in their frame, and
-/// the prior's part of a rotation, are unchanged.
+/// Scales the variance from evidence by `factor`, the a-posteriori variance, or by what a long gap inflates it.
+/// Positions unobserved in their frame are only widened, the prior's part of a rotation is unchanged.
 void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, double factor, const Rules& rules,
            PoseUncertainty& uncertainty) {
   if (rules.on(FittingRule::kUncertaintyCalibration)) factor *= kUncertaintyCalibration;
   const std::vector<double> ones(tracks.confidence.size(), 1.0);
   const GapInflation growth =
       rules.on(FittingRule::kGapInflation) ? FindGapInflation(tracks) : GapInflation{ones, ones};
-  const std::vector<double> of_positions =
-      FactorsOfPositions(tracks, growth.position, factor, uncertainty.position_cov, rules.on(FittingRule::kGapFloor));
   for (int f = 0; f < tracks.frames(); ++f) {
     for (int j = 0; j < tracks.joints(); ++j) {
       const std::size_t at = static_cast<std::size_t>(f) * tracks.joints() + j;
+      const double of_position = tracks.seen(f, j) ? factor : std::max(factor, growth.position[at]);
+      const double of_rotation = growth.rotation[at] > 1.0 ? std::max(growth.rotation[at], factor) : factor;
       for (int i = 0; i < 6; ++i) {
         float& value = uncertainty.position_cov[6 * at + i];
-        value = static_cast<float>(of_positions[at] * value);
+        value = static_cast<float>(of_position * value);
       }
-      const double of_rotation = growth.rotation[at] > 1.0 ? std::max(growth.rotation[at], factor) : factor;
       for (int i = 0; i < 3; ++i) {
         float& observed = uncertainty.rotation_observed[3 * at + i];
         if (observed == 0.0F) continue;
@@ -180,22 +143,60 @@ void Scale(const SkeletonTracks& tracks, const std::vector<Vector3d>& prior, dou
   }
 }
 
-/// Adds the covariance of frame orientations between bodies, the joint's own and its parent's, to rotations that
-/// evidence determines.
-void AddFrameOrientations(const TrackProblem& whole, PoseUncertainty& uncertainty) {
-  const std::vector<Matrix3d> frame_covariance = FrameOrientationCovariance(whole);
-  for (int f = 0; f < whole.frames(); ++f) {
+constexpr double kShortestBone_m = 1e-3;  ///< shorter bones are between joints that coincide by definition
+constexpr double kStep_s = 0.2;           ///< people rotate little in this time (numerical)
+
+/// Of the body that the tracks were fitted with: where some frame shows both ends of a bone, its length is measured.
+BodyDeviations DeviationsOfTracks(const TrackProblem& whole) {
+  const Skeleton& skeleton = *whole.tracks.skeleton;
+  const auto joints = static_cast<std::size_t>(skeleton.joint_count());
+  BodyDeviations deviations{std::vector<double>(joints, 0.0)};
+  deviations.length_measured.assign(joints, false);
+  deviations.point = whole.tracks.place_sigma;
+  deviations.fixed = whole.rest_sigma;
+  for (int j = 1; j < whole.state.joints(); ++j) {
+    const auto at = static_cast<std::size_t>(j), start = static_cast<std::size_t>(whole.state.parent(j));
+    deviations.length_measured[at] = whole.shown[at] && whole.shown[start];
+    if (*whole.state.bone(j) > kShortestBone_m) deviations.bone[at] = SpreadOfBone(skeleton, j);
+  }
+  return deviations;
+}
+
+/// A frame's terms with every joint that the tracks show in any frame: a body's error is constant.
+PoseTerms TermsOfAllShown(const TrackProblem& whole, int frame) {
+  PoseTerms terms = whole.Terms(frame, frame + 1, false);
+  for (int j = 0; j < whole.state.joints(); ++j) {
+    if (!whole.shown[static_cast<std::size_t>(j)] || whole.tracks.seen(frame, j)) continue;
+    terms.frames.front().points.push_back({j, whole.state.position(frame, j), Matrix3d::Identity() / whole.sigma});
+  }
+  return terms;
+}
+
+/// Adds what a body that is not the person's does to the pose: computed every 0.2 s, linear between.
+void AddBody(const TrackProblem& whole, PoseUncertainty& uncertainty) {
+  const BodyDeviations deviations = DeviationsOfTracks(whole);
+  const std::vector<double>& time_s = whole.tracks.time_s;
+  const auto of_frame = [&](int f) { return BodyResponse(TermsOfAllShown(whole, f), whole.state, 0, deviations); };
+  BodyResponse before = of_frame(0), after = before;
+  int begin = 0;
+  const auto add = [&](int f, double share) {
     for (int j = 0; j < whole.state.joints(); ++j) {
       const std::size_t at = whole.Index(f, j);
-      Matrix3d added = frame_covariance[j];
-      if (const int parent = whole.state.parent(j); parent >= 0) {
-        const Matrix3d& parent_from_joint = whole.state.local(f, j);
-        added += parent_from_joint.transpose() * frame_covariance[parent] * parent_from_joint;
-      }
-      for (int i = 0; i < 3; ++i) {
-        WidenRotation(added(i, i), uncertainty.rotation_sigma[3 * at + i], uncertainty.rotation_observed[3 * at + i]);
-      }
+      const Matrix3d position = (1.0 - share) * before.position()[j] + share * after.position()[j];
+      float* stated = uncertainty.position_cov.data() + 6 * at;
+      ToSixNumbers(FromSixNumbers(stated) + position, stated);
+      const Vector3d rotation = ((1.0 - share) * before.rotation()[j] + share * after.rotation()[j]).diagonal();
+      for (int i = 0; i < 3; ++i)
+        WidenRotation(rotation[i], uncertainty.rotation_sigma[3 * at + i], uncertainty.rotation_observed[3 * at + i]);
     }
+  };
+  add(0, 0.0);
+  for (int f = 1; f < whole.frames(); ++f) {
+    if (f < whole.frames() - 1 && time_s[f] - time_s[begin] < kStep_s) continue;
+    after = of_frame(f);
+    for (int g = begin + 1; g <= f; ++g) add(g, (time_s[g] - time_s[begin]) / (time_s[f] - time_s[begin]));
+    before = after;
+    begin = f;
   }
 }
 
@@ -233,11 +234,7 @@ Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& whole, double 
     if (rules.on(FittingRule::kPersistentResiduals)) persistent = PersistentResidualCovariance(whole, factor);
     for (std::size_t i = 0; i < persistent.size(); ++i) uncertainty.position_cov[i] += persistent[i];
   }
-  if (rules.on(FittingRule::kFrameOrientation)) AddFrameOrientations(whole, uncertainty);
-  std::vector<float> of_body;
-  if (rules.on(FittingRule::kBodyCovariance)) of_body = CovarianceOfBody(whole);
-  for (std::size_t i = 0; i < of_body.size(); ++i) uncertainty.position_cov[i] += of_body[i];
-  if (rules.on(FittingRule::kSecondOrderCovariance)) AddSecondOrderCovariance(whole, uncertainty.position_cov);
+  if (rules.on(FittingRule::kBodyErrors)) AddBody(whole, uncertainty);
   return uncertainty;
 }
 

@@ -73,6 +73,8 @@ constexpr double kGross = 4.5;      ///< times the median departure: clamped the
 constexpr double kMostLags = 60.0;  ///< frames of lag, at most (numerical)
 
 /// Departures of each observed bone from the body's length, frame by frame; 0 where unobserved. Gross ones are clamped.
+/// They are not centred on the clip: a departure that lasts for the whole clip is a slow error of the tracker, or of
+/// the body, and averaging over frames reduces neither.
 std::vector<std::vector<double>> DeparturesOfBones(const TrackProblem& whole) {
   std::vector<std::vector<double>> departures;
   std::vector<double> sizes;
@@ -146,7 +148,7 @@ std::vector<ResidualSums> SumsOf(const TrackProblem& whole, int joint, double fa
     if (whole.tracks.seen(f, joint)) {
       const Vector3d away = whole.tracks.positions.at(f, joint) - whole.state.position(f, joint);
       const Matrix3d information = whole.Information(f, joint) / factor;
-      const Matrix3d robust = HuberSlope(away.dot(information * away), whole.options.huber_sigmas) * information;
+      const Matrix3d robust = HuberSlope(away.dot(information * away), whole.huber) * information;
       next.information += robust;
       next.pull += robust * away;
       ++next.count;

@@ -83,6 +83,7 @@ ALL_TRACKS = STUDIO + RECORDED + KEYPOINTS
 
 # Rule -> runs that it can move, and codes of the findings that it leaves.
 RULES = {
+    "body_errors": (ALL_TRACKS + DEPTH_FITS + ["keypoints_clouds_one"], []),
     "uncertainty_calibration": (ALL_TRACKS, []),
     "variance_factor": (ALL_TRACKS, []),
     "least_variance_factor": (ALL_TRACKS, []),
@@ -92,13 +93,8 @@ RULES = {
     "autocorrelated_error": (ALL_TRACKS, []),
     "persistent_residuals": (ALL_TRACKS, []),
     "gap_inflation": (["tracks_gap", "tracks_long_gap", "tracks_limb"] + RECORDED, []),
-    "gap_floor": (["tracks_gap", "tracks_long_gap", "tracks_limb"] + RECORDED, []),
-    "frame_orientation": (STUDIO + KEYPOINTS, []),
-    "body_covariance": (["tracks_unseen", "tracks_kard", "keypoints_body25"] + RECORDED, []),
-    "second_order_covariance": (["tracks", "tracks_unseen", "tracks_limb", "keypoints_body25"], []),
     "ambiguous_rig_covariance": (["keypoints"], ["views_disagree"]),
     "low_coverage": (DEPTH_FITS + ["keypoints_clouds_one"], ["low_coverage"]),
-    "body_errors": (DEPTH_FITS + ["keypoints_clouds_one"], []),
     "unknown_shape": (DEPTH_FITS, []),
     "body_error_factor": (DEPTH_FITS + ["keypoints_clouds_one"], ["high_residual"]),
     "patch_share": (DEPTH_FITS + ["keypoints_clouds_one"], []),

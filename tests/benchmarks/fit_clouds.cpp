@@ -46,7 +46,7 @@ void Set(const std::string& name, double value, PointCloudOptions& options, Clou
   if (name == "rotation_process_noise") options.priors.rotation_noise = value;
   if (name == "velocity_process_noise") options.priors.position_noise = value;
   if (name == "rest_sigma") options.priors.rest = value;
-  if (name == "huber_sigmas") options.huber_sigmas = value;
+  if (name == "huber_share") options.huber_share = value;
   if (name == "room") takes.room = value != 0.0;
   if (name == "stills") takes.stills = value != 0.0;
   if (name == "subjects") takes.subjects = static_cast<int>(value);

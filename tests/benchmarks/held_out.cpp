@@ -4,7 +4,7 @@
 // joint. `body + autocorrelated error` adds the residuals around the gap, predicted by their autocorrelation over one
 // and two frames. That is the expected observation. `seen` is the body's distance from the observations it was fitted
 // to. `|` rows are those of docs/refitted_sets.md. Options: noise (m, of sets that provide motion),
-// rotation_process_noise, velocity_process_noise, walk_refits, rest_sigma, huber_sigmas.
+// rotation_process_noise, velocity_process_noise, walk_refits, rest_sigma, huber_share.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -244,7 +244,7 @@ int main(int argc, char** argv) {
     if (name == "rest_sigma") options.priors.rest = value;
     if (name == "contact_process_noise")
       options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
-    if (name == "huber_sigmas") options.huber_sigmas = value;
+    if (name == "huber_share") options.huber_share = value;
     if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   }
   Score score;

@@ -4,7 +4,7 @@
 // (degrees): full rotations of joints with two or more children not on a line, directions of single bones of at least 6
 // cm. uncertainty=1 adds the share of whitened errors within one and two standard deviations. Options: frames (of each
 // clip, at most), audit (0: none), ceres, uncertainty, walk_refits, rotation_process_noise, velocity_process_noise,
-// huber_sigmas, true_bones, wrong (share of misplaced detections), missed (share), exchanged (frame from which all
+// huber_share, true_bones, wrong (share of misplaced detections), missed (share), exchanged (frame from which all
 // views exchange left and right), body_25. body_25=1 detects only OpenPose's 25 points on shapes of body_cc0; it
 // separates coverage of joints among them from that of the others, and prints joint by joint to standard error.
 #include <Eigen/Cholesky>
@@ -228,7 +228,7 @@ int main(int argc, char** argv) {
     if (name == "walk_refits") options.joint_tracks.steps = StepsWithRefits(static_cast<int>(value));
     if (name == "rotation_process_noise") options.joint_tracks.priors.rotation_noise = value;
     if (name == "velocity_process_noise") options.joint_tracks.priors.position_noise = value;
-    if (name == "huber_sigmas") options.joint_tracks.huber_sigmas = value;
+    if (name == "huber_share") options.joint_tracks.huber_share = value;
     if (name == "uncertainty") options.joint_tracks.uncertainty = value != 0.0;
     if (name == "true_bones") true_bones = value != 0.0;
     if (name == "exchanged") exchanged_from = static_cast<int>(value);

@@ -36,7 +36,7 @@ void Set(const std::string& name, double value, JointTrackOptions& options, Repa
   if (name == "rest_sigma") options.priors.rest = value;
   if (name == "contact_process_noise")
     options.contact_process_noise = value > 0.0 ? std::optional<double>(value) : std::nullopt;
-  if (name == "huber_sigmas") options.huber_sigmas = value;
+  if (name == "huber_share") options.huber_share = value;
   if (name == "walk_refits") options.steps = StepsWithRefits(static_cast<int>(value));
   if (name == "ceres") options.solver = value != 0.0 ? PoseSolver::kCeres : PoseSolver::kBanded;
   if (name == "repair_swaps") repair.swaps = value != 0.0;

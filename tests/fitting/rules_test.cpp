@@ -75,7 +75,7 @@ TEST(FittingRules, ANameReachesEveryGroup) {
         &options->point_clouds.audit.rules, &options->keypoints.audit.rules}) {
     EXPECT_FALSE(rules->on(FittingRule::kFarMove));
     EXPECT_FALSE(rules->on(FittingRule::kGapInflation));
-    EXPECT_TRUE(rules->on(FittingRule::kGapFloor));
+    EXPECT_TRUE(rules->on(FittingRule::kBoneNoise));
   }
   EXPECT_EQ(OptionsToJson(*options)["without"], nlohmann::json::array({"gap_inflation", "far_move"}));
   const auto proportions =
@@ -99,7 +99,7 @@ TEST(FittingRules, AllAreOnByDefault) {
 TEST(FittingRules, WithoutARuleOfUncertaintyOnlyTheStatedCovarianceChanges) {
   const FitResult all = FitWith({});
   for (const FittingRule rule :
-       {FittingRule::kUncertaintyCalibration, FittingRule::kGapInflation, FittingRule::kBodyCovariance}) {
+       {FittingRule::kUncertaintyCalibration, FittingRule::kGapInflation, FittingRule::kBodyErrors}) {
     const FitResult without = FitWith(Without(rule));
     EXPECT_EQ(without.motion.joints.xyz, all.motion.joints.xyz) << FittingRuleNames()[static_cast<std::size_t>(rule)];
     EXPECT_NE(without.motion.position_cov, all.motion.position_cov)
