@@ -69,15 +69,15 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
       state.Update(frame, frame + 1, false);
       const double widening = round == 0 ? Widening(fit.widening, i) : 1.0;
       surface.matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
-      outcome.sigma = RobustSigma(surface.matches);
       // Far starts: points weigh by how far they still are.
-      if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = outcome.sigma;
+      if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = RobustSigma(surface.matches);
       if (widening == 1.0 && fit.sigma > 0.0) sigma = fit.sigma;
       surface.weight = share / sigma;
       const std::vector<Vector3d> before = JointsOfState(state, frame);
       const std::vector<double> here = state.FrameParameters(frame);
       const auto solution = Solve(terms, state, solve);
       if (!solution) return Forward(solution);
+      outcome.sigma = sigma;
       const double next = solution->initial_cost + CostOfUnmatched(surface, options);
       if (widening == 1.0 && next > (1.0 + kRise) * cost) {
         state.SetFrameParameters(frame, pose);
@@ -116,7 +116,7 @@ double MeanDistance(const CapsuleBody& body, const FusedCloud& cloud, const Pose
 
 std::vector<double> PointCosts(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                                const PoseState& state, const PointCloudOptions& options) {
-  const double share = fit.point_weight * PatchShare(options), weight = share / fit.sigma;
+  const double share = fit.point_weight * PatchShare(cloud, options), weight = share / fit.sigma;
   const double huber = share * HuberSigmas(options.huber_share, 1);
   std::vector<double> costs(static_cast<std::size_t>(cloud.size()),
                             0.5 * HuberValue(Square(weight * options.max_distance), huber));

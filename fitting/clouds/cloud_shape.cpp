@@ -93,7 +93,7 @@ class ShapeFit {
       const auto fitted = FitCloudFrame(figure.body, clouds_[f], fit, figure.state, options_);
       if (!fitted) return Forward(fitted);
       person_.poses[f] = figure.state.FrameParameters(f);
-      AddFrame(f, std::max(kShapeSigma, fitted->sigma), figure, information, right);
+      AddFrame(f, figure, information, right);
     }
     information *= kErrorsShared / static_cast<double>(clouds_.size());
     right *= kErrorsShared / static_cast<double>(clouds_.size());
@@ -123,15 +123,15 @@ class ShapeFit {
   }
 
   /// Adds a frame to the Gauss-Newton system, with its pose eliminated.
-  void AddFrame(int f, double sigma, Figure& figure, Information& information, ShapeUnknowns& right) const {
+  void AddFrame(int f, Figure& figure, Information& information, ShapeUnknowns& right) const {
     const FusedCloud& cloud = clouds_[f];
     figure.state.Update(f, f + 1, true);
     FrameFit fit;
     fit.frame = f;
     PoseTerms terms = CloudTerms(figure.body, options_);
-    terms.frames = {TermsOfFit(figure.body, cloud, fit,
-                               MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance), sigma,
-                               options_)};
+    std::vector<CloudMatch> matches = MatchPoints(figure.body, figure.state, f, cloud, options_.max_distance);
+    const double sigma = std::max(kShapeSigma, RobustSigma(matches));
+    terms.frames = {TermsOfFit(figure.body, cloud, fit, std::move(matches), sigma, options_)};
     PoseEquations pose(figure.state);
     BlockTridiagonal equations(1, pose.columns().size());
     pose.Linearise(terms, figure.state, equations);

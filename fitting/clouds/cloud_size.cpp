@@ -41,6 +41,7 @@ constexpr int kRadiusFits = 3;
 constexpr double kWideStep = 0.03;     ///< log scale; first step of the descent (numerical)
 constexpr double kNarrowStep = 0.015;  ///< log scale; first step of the descent after the limb search (numerical)
 constexpr int kSteps = 12;             ///< steps of the descent, at most (numerical)
+constexpr double kHeldScale = 1e-4;    ///< of the logarithm of a scale that a fit of the shape keeps (numerical)
 /// Share of thigh and shin: height of a hip above its ankle from which a leg is straight.
 constexpr double kStraightLegs = 0.97;
 
@@ -333,27 +334,80 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
   return sizes[0];
 }
 
-tl::unexpected<Error> NoPerson(double height, const PointCloudOptions& options) {
+/// Costs of all points of a person's clouds, one after the other.
+std::vector<double> CostsOfPoints(const ShapedPerson& person, const std::vector<FusedCloud>& clouds,
+                                  const SkeletonPtr& skeleton, const PointCloudOptions& options) {
+  const SkeletonPtr own = WithShape(skeleton, person.shape);
+  const CapsuleBody body = CapsuleBody::Make(own, person.scale);
+  std::vector<double> lengths = own->RestBoneLengths();
+  for (double& length : lengths) length *= person.scale;
+  PoseState state(*own, 1, lengths, body.MovingJoints());
+  std::vector<double> costs;
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    state.SetFrameParameters(0, person.poses[c]);
+    state.Update(0, 1, false);
+    const std::vector<double> of_cloud =
+        PointCosts(body, clouds[c], ComparedFit(0, options.iterations), state, options);
+    costs.insert(costs.end(), of_cloud.begin(), of_cloud.end());
+  }
+  return costs;
+}
+
+/// How much worse a person of a possible size explains the clouds than one of an impossible size.
+CostDifference WorseBy(const ShapedPerson& possible, const ShapedPerson& impossible,
+                       const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton,
+                       const PointCloudOptions& options) {
+  const std::vector<double> costs = CostsOfPoints(possible, clouds, skeleton, options);
+  const std::vector<double> others = CostsOfPoints(impossible, clouds, skeleton, options);
+  CostDifference worse;
+  auto from = static_cast<std::ptrdiff_t>(0);
+  for (const FusedCloud& cloud : clouds) {
+    const std::ptrdiff_t to = from + cloud.size();
+    worse += Compare(cloud, {costs.begin() + from, costs.begin() + to}, {others.begin() + from, others.begin() + to});
+    from = to;
+  }
+  return worse;
+}
+
+/// `sigma`: m, of the height; none: not known.
+tl::unexpected<Error> NoPerson(double height, std::optional<double> sigma, const PointCloudOptions& options) {
   return Fail(ErrorCode::kInconsistent,
-              "the person measures " + RoundedText(height, 3) + " m, people have " + RoundedText(options.shortest, 3) +
-                  " to " + RoundedText(options.tallest, 3) + " m",
+              "the person measures " + RoundedText(height, 3) + " m" +
+                  (sigma ? " (standard deviation " + RoundedText(*sigma, 2) + " m)" : "") + ", people have " +
+                  RoundedText(options.shortest, 3) + " to " + RoundedText(options.tallest, 3) + " m",
               "depth views",
               "check depth_unit and cameras, give the height (fitting.point_clouds.height), or change "
               "fitting.point_clouds.shortest and tallest");
 }
 
-/// The cheapest size of people among those found from the sizes of adults; empty: there is none.
+/// The cheapest size of people among those found from the sizes of adults; empty: there is none. They may lie or
+/// be bent over. Where a search leaves the sizes of people, it is its first size.
 Expected<std::optional<PosedSize>> AmongAdults(const SizeSearch& search, const ScaleRange& people) {
   std::optional<PosedSize> best;
   for (const double usual : kUsualScales) {
     if (!people.Has(usual)) continue;
-    const Expected<PosedSize> start = search.StartAt(usual, StartSearch::kUprightAndLimbs);
+    const Expected<PosedSize> start = search.StartAt(usual, StartSearch::kStancesAndLimbs);
     if (!start) return Forward(start);
-    const Expected<PosedSize> found = search.Downhill(*start, kNarrowStep);
+    Expected<PosedSize> found = search.Downhill(*start, kNarrowStep);
     if (!found) return Forward(found);
-    if (people.Has(found->scale) && (!best || found->cost < best->cost)) best = *found;
+    if (!people.Has(found->scale)) found = *start;
+    if (!best || found->cost < best->cost) best = *found;
   }
   return best;
+}
+
+/// Error where a person of an impossible size explains the clouds better than the possible one, and that size is
+/// kClearlyWorse standard deviations beyond the sizes of people: it has the standard deviation at which the difference
+/// between both sizes would be as certain as that of their costs.
+Status RefuseImpossible(const ShapedPerson& impossible, const ShapedPerson& possible,
+                        const std::vector<FusedCloud>& clouds, const SkeletonPtr& skeleton, const ScaleRange& people,
+                        double rest_height, const PointCloudOptions& options) {
+  const CostDifference worse = WorseBy(possible, impossible, clouds, skeleton, options);
+  if (worse.sum <= 0.0) return {};
+  const double sigma = std::abs(impossible.scale - possible.scale) * worse.sigma() / worse.sum;
+  const double beyond = std::max(people.least - impossible.scale, impossible.scale - people.most);
+  if (beyond < kClearlyWorse * sigma) return {};
+  return NoPerson(impossible.scale * rest_height, sigma * rest_height, options);
 }
 
 }  // namespace
@@ -377,19 +431,41 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
   const SizeSearch search(skeleton, chosen, options);
   Expected<PosedSize> best = few ? BestOfFew(search, from_height) : BestOfMany(search, from_height);
   if (!best) return Forward(best);
+  person.scale = best->scale;
+  person.poses = best->poses;
+  std::optional<ShapedPerson> impossible;
   if (!people.Has(best->scale)) {
     Expected<std::optional<PosedSize>> adult = AmongAdults(search, people);
     if (!adult) return Forward(adult);
-    if (!*adult) return NoPerson(best->scale * rest_height, options);
+    if (!*adult) return NoPerson(best->scale * rest_height, {}, options);
+    impossible = person;
     *best = **std::move(adult);
+    person.scale = best->scale;
+    person.poses = best->poses;
   }
-  person.scale = best->scale;
-  person.poses = best->poses;
-  if (HasTemplateShape(*skeleton)) {
-    Expected<ShapedPerson> shaped = FitShape(chosen, skeleton, std::move(person), options);
-    if (shaped && !people.Has(shaped->scale)) return NoPerson(shaped->scale * rest_height, options);
-    return shaped;
+  const bool has_shape = HasTemplateShape(*skeleton);
+  if (has_shape) {
+    const auto shaped = [&](const ShapedPerson& from) { return FitShape(chosen, skeleton, from, options); };
+    Expected<ShapedPerson> found = shaped(person);
+    if (!found) return found;
+    if (impossible) {
+      const Expected<ShapedPerson> other = shaped(*impossible);
+      if (!other) return other;
+      impossible = *other;
+    }
+    if (!people.Has(found->scale)) {
+      if (!impossible) impossible = *found;
+      person.scale_sigma = kHeldScale;
+      found = shaped(person);
+      if (!found) return found;
+    }
+    person = *std::move(found);
   }
+  if (impossible) {
+    if (Status kept = RefuseImpossible(*impossible, person, chosen, skeleton, people, rest_height, options); !kept)
+      return Forward(kept);
+  }
+  if (has_shape) return person;
   if (few) return person;
   std::vector<double> ratios = search.HeightRatios(*best);
   if (!ratios.empty()) person.scale *= MeanMedian(ratios);

@@ -12,8 +12,8 @@ constexpr double kBodyPatch = 0.05;  ///< m; closer points share the error of th
 
 }  // namespace
 
-double PatchShare(const PointCloudOptions& options) {
-  return options.rules.on(FittingRule::kPatchShare) ? std::min(1.0, options.voxel_size / kBodyPatch) : 1.0;
+double PatchShare(const FusedCloud& cloud, const PointCloudOptions& options) {
+  return options.rules.on(FittingRule::kPatchShare) ? std::min(1.0, cloud.spacing / kBodyPatch) : 1.0;
 }
 
 std::vector<JointPrior> PriorsInClouds(const Skeleton& skeleton, const PoseGaussian* pose,
@@ -51,7 +51,7 @@ PoseTerms CloudTerms(const CapsuleBody& body, const PointCloudOptions& options) 
 
 FrameTerms TermsOfFit(const CapsuleBody& body, const FusedCloud& cloud, const FrameFit& fit,
                       std::vector<CloudMatch> matches, double sigma, const PointCloudOptions& options) {
-  const double share = fit.point_weight * PatchShare(options);
+  const double share = fit.point_weight * PatchShare(cloud, options);
   FrameTerms terms;
   terms.frame = fit.frame;
   terms.points = fit.joints;

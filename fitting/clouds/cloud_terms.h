@@ -9,8 +9,8 @@
 namespace mocurate {
 
 /// Neighbouring points share the error of the body, so that a patch of them counts as one observation. Square root of a
-/// point's share in its patch, for one point per voxel; 1 where the rule is off.
-double PatchShare(const PointCloudOptions& options);
+/// point's share in its patch, by the surface that it stands for; 1 where the rule is off.
+double PatchShare(const FusedCloud& cloud, const PointCloudOptions& options);
 
 /// (J) Priors of a depth fit. Limits only of joints as mobile as limbs (RestPoseSigmas): for the others the rest pose
 /// suffices, and a search that cannot pass through a twisted trunk misses orientations (of 24 stills two more were off

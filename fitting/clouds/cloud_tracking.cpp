@@ -304,6 +304,7 @@ Expected<std::vector<FusedCloud>> FuseClip(const Clip& clip, const PointCloudOpt
     if (!cloud) return Forward(cloud);
     const bool is_person = is_cloud || !options.rules.on(FittingRule::kPersonPoints);
     clouds.push_back(is_person ? std::move(*cloud) : PersonPoints(*cloud, options.voxel_size));
+    clouds.back().spacing = SpacingOf(clouds.back(), options.voxel_size);
   }
   return clouds;
 }

@@ -1,10 +1,8 @@
 #include "fitting/clouds/cloud_uncertainty.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -150,8 +148,6 @@ constexpr double kOneSideExponent = 5.0;       ///< exponent of the error beyond
 constexpr double kEnoughArea = 0.25;  ///< m^2 of visible surface of a body of the rest skeleton's size; below, error
 constexpr double kPartArea = 0.12;    ///< m^2 of visible surface of a person half out of the views
 constexpr double kPartError = 0.1;    ///< m; error there
-/// m; edge of the voxels that these areas and kObservingArea were measured with (numerical).
-constexpr double kCoverageCell = 0.03;
 
 // Fits within 10 mm of the ground truth have residuals of 5.5 to 8.8 mm, wrong ones of 9.4 to 17. Source: residuals of
 // right and wrong fits
@@ -160,19 +156,6 @@ constexpr double kPoorResidual = 0.009;    ///< m; residual of a wrong fit, at l
 constexpr double kPoorAgainstBest = 1.5;   ///< factor on the first quartile of the clip's residuals, at least
 
 }  // namespace
-
-std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size) {
-  std::vector<bool> sample(static_cast<std::size_t>(cloud.size()), true);
-  if (voxel_size >= kCoverageCell || cloud.size() == 0) return sample;
-  const Vector3d origin = cloud.points.rowwise().minCoeff() - Vector3d::Constant(0.5 * kCoverageCell);
-  std::set<std::array<int, 3>> occupied;
-  for (int i = 0; i < cloud.size(); ++i) {
-    const Vector3d cell = (cloud.points.col(i) - origin) / kCoverageCell;
-    sample[static_cast<std::size_t>(i)] =
-        occupied.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}).second;
-  }
-  return sample;
-}
 
 double CoverageOfPoint(double voxel_size) {
   const double edge = std::max(voxel_size, kCoverageCell);

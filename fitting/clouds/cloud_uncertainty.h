@@ -58,10 +58,6 @@ class UncertainMotion {
 /// Root mean square, 95th percentile and robust standard deviation of distances (m, absolute).
 void SetResiduals(std::vector<double> distances, FitResult& result);
 
-/// (N) Points that count towards the surface that is seen: one per voxel, or per cell of 3 cm where voxels are smaller.
-/// Below that, cameras have fewer pixels than the surface has voxels.
-std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size);
-
 /// Surface that such a point stands for, m^2.
 double CoverageOfPoint(double voxel_size);
 

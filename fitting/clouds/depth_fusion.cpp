@@ -6,10 +6,12 @@
 #include <open3d/utility/Logging.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -197,9 +199,29 @@ Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash
   return Fail(ErrorCode::kInconsistent, "the file has changed since it was ingested", file.string(), "ingest it again");
 }
 
+std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size) {
+  std::vector<bool> sample(static_cast<std::size_t>(cloud.size()), true);
+  if (voxel_size >= kCoverageCell || cloud.size() == 0) return sample;
+  const Vector3d origin = cloud.points.rowwise().minCoeff() - Vector3d::Constant(0.5 * kCoverageCell);
+  std::set<std::array<int, 3>> occupied;
+  for (int i = 0; i < cloud.size(); ++i) {
+    const Vector3d cell = (cloud.points.col(i) - origin) / kCoverageCell;
+    sample[static_cast<std::size_t>(i)] =
+        occupied.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}).second;
+  }
+  return sample;
+}
+
+double SpacingOf(const FusedCloud& cloud, double voxel_size) {
+  if (voxel_size >= kCoverageCell || cloud.size() == 0) return voxel_size;
+  const std::vector<bool> sample = CoverageSample(cloud, voxel_size);
+  const auto cells = static_cast<double>(std::count(sample.begin(), sample.end(), true));
+  return std::max(voxel_size, kCoverageCell * std::sqrt(cells / cloud.size()));
+}
+
 FusedCloud ChosenPoints(const FusedCloud& cloud, const std::vector<int>& points) {
   const auto count = static_cast<Eigen::Index>(points.size());
-  FusedCloud chosen{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), 0};
+  FusedCloud chosen{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), 0, cloud.spacing};
   for (Eigen::Index i = 0; i < count; ++i) {
     chosen.points.col(i) = cloud.points.col(points[static_cast<std::size_t>(i)]);
     chosen.normals.col(i) = cloud.normals.col(points[static_cast<std::size_t>(i)]);

@@ -16,6 +16,7 @@ struct FusedCloud {
   Eigen::Matrix3Xd points;
   Eigen::Matrix3Xd normals;  ///< unit, towards the observing cameras
   int excluded = 0;          ///< points that are not of the person
+  double spacing = 0.03;     ///< m; edge of the surface that a point stands for (SpacingOf)
 
   int size() const { return static_cast<int>(points.cols()); }
 };
@@ -24,6 +25,17 @@ inline constexpr int kFewestPoints = 100;  ///< points; fewest of a cloud to whi
 
 /// `hash`: of the file at ingestion, or empty. Error kInconsistent if it differs.
 Status CheckUnchanged(const std::filesystem::path& file, const std::string& hash);
+
+/// m; edge of the voxels that areas of visible surface were measured with (numerical).
+inline constexpr double kCoverageCell = 0.03;
+
+/// (N) Points that count towards the surface that is seen: one per voxel, or per cell of 3 cm where voxels are smaller.
+/// Below that, cameras have fewer pixels than the surface has voxels.
+std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size);
+
+/// Voxels that a surface occupies grow with the inverse square of their edge, until the camera has fewer pixels: the
+/// edge (m, at least `voxel_size`) at which a surface has as many voxels as the cloud has points.
+double SpacingOf(const FusedCloud& cloud, double voxel_size);
 
 /// Some of a cloud's points.
 FusedCloud ChosenPoints(const FusedCloud& cloud, const std::vector<int>& points);

@@ -135,7 +135,7 @@ TEST(FittingRules, RulesOfDepthFitsAreNeutralWhenOff) {
   PointCloudOptions options;
   EXPECT_GT(LowCoverageSigma(flat, options, 1.0), kUnobservedError);
   EXPECT_GT(BodyErrorFactor(0.02, options.rules), 1.0);
-  EXPECT_LT(PatchShare(options), 1.0);
+  EXPECT_LT(PatchShare(flat, options), 1.0);
   const double unknown_shape = DeviationsInClouds(*TestSkeleton(), 1.0, 1.0, options.rules).capsule_end;
   EXPECT_GT(unknown_shape, 0.0);
   for (const FittingRule rule :
@@ -143,7 +143,7 @@ TEST(FittingRules, RulesOfDepthFitsAreNeutralWhenOff) {
     options.rules.SwitchOff(rule);
   EXPECT_EQ(LowCoverageSigma(flat, options, 1.0), 0.0);
   EXPECT_EQ(BodyErrorFactor(0.02, options.rules), 1.0);
-  EXPECT_EQ(PatchShare(options), 1.0);
+  EXPECT_EQ(PatchShare(flat, options), 1.0);
   EXPECT_NEAR(unknown_shape / DeviationsInClouds(*TestSkeleton(), 1.0, 1.0, options.rules).capsule_end, 3.0, 1e-9);
   options.rules.SwitchOff(FittingRule::kBodyErrors);
   EXPECT_EQ(DeviationsInClouds(*TestSkeleton(), 1.0, 1.0, options.rules).capsule_end, 0.0);

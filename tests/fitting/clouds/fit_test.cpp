@@ -58,6 +58,25 @@ TEST(CloudFit, RecoversACapsulePersonInThreeViews) {
   EXPECT_EQ(fit->motion.state[*skeleton->FindJoint("plain_left_knee")], JointState::kObserved);
 }
 
+/// Below a camera's pixels, smaller voxels are empty: they are no more evidence.
+TEST(CloudFit, StatesTheSameForSmallerVoxels) {
+  const SkeletonPtr skeleton = PlainSkeleton();
+  const auto clip = RenderClip(Standing(skeleton, 1), CloudsFolder("voxels"));
+  ASSERT_TRUE(clip) << clip.error().Message();
+  std::vector<double> sigma;
+  for (const double voxel : {0.03, 0.015, 0.005, 0.002}) {
+    PointCloudOptions options;
+    options.voxel_size = voxel;
+    const auto fit = FitClouds(*clip, skeleton, skeleton->RestBoneLengths(), options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    double sum = 0.0;
+    for (std::size_t at = 0; at < skeleton->joints.size(); ++at)
+      sum += FromSixNumbers(fit->motion.position_cov.data() + 6 * at).trace();
+    sigma.push_back(std::sqrt(sum));
+  }
+  for (const double of_voxel : sigma) EXPECT_NEAR(of_voxel, sigma[0], 0.2 * sigma[0]);
+}
+
 TEST(CloudFit, FindsAPersonWhoFacesAwayFromTheFirstCamera) {
   const SkeletonPtr skeleton = PlainSkeleton();
   ASSERT_NE(skeleton, nullptr);
