@@ -148,7 +148,8 @@ void AddRig(const CommandLine& line) {
   audit->footer(
       "Poses, clocks, files, mirrored images and exchanged sides are corrected as fitting.keypoints.audit says.\n"
       "Takes use the file with fitting.keypoints.rig: rig.yaml; then their own audit only reports. With one take,\n"
-      "a confidence measures repeatability within that take; with several it is from the variation between them.\n\n"
+      "a confidence knows nothing of errors that last for that take; with several it is from the variation between "
+      "them.\n\n"
       "Examples:\n  mocurate rig audit reannotate/pose2sim_both -o rig.yaml\n"
       "  mocurate rig audit my.yaml --clip take_01 --clip take_02 -o rig.yaml\n"
       "  mocurate run my.yaml --set fitting.keypoints.rig=rig.yaml");

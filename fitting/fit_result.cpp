@@ -19,4 +19,10 @@ void ReportFramesWithout(const std::vector<bool>& without, const std::string& wh
   }
 }
 
+Finding NoUncertainty(const Error& error) {
+  return MakeFinding(kNoUncertainty, Severity::kWarning, 0.0,
+                     error.Message() + "; the motion is fitted, but no standard deviation is stated",
+                     FindingAction::kKept);
+}
+
 }  // namespace mocurate

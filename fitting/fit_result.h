@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/finding.h"
 #include "core/motion/motion.h"
 #include "fitting/clouds/cloud_rig_audit.h"
@@ -21,6 +22,10 @@ inline constexpr const char* kSamplesContradicted = "samples_contradicted";
 
 /// Code of the finding of a fit to depth that another pose explains about as well; value: the other one's chance.
 inline constexpr const char* kAmbiguousPose = "ambiguous_pose";
+
+/// Code of the finding of a fit whose uncertainty is not determined somewhere: it states none.
+inline constexpr const char* kNoUncertainty = "uncertainty_undetermined";
+Finding NoUncertainty(const Error& error);
 
 /// A fitted motion and its residuals. Lengths in metres.
 struct FitResult {

@@ -69,8 +69,9 @@ Expected<CapsuleFitOutcome> FitCloudFrame(const CapsuleBody& body, const FusedCl
       state.Update(frame, frame + 1, false);
       const double widening = round == 0 ? Widening(fit.widening, i) : 1.0;
       surface.matches = MatchPoints(body, state, frame, cloud, widening * options.max_distance);
+      outcome.residual = RobustSigma(surface.matches);
       // Far starts: points weigh by how far they still are.
-      if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = RobustSigma(surface.matches);
+      if (widening > 1.0 || (fit.sigma == 0.0 && i == 0)) sigma = outcome.residual;
       if (widening == 1.0 && fit.sigma > 0.0) sigma = fit.sigma;
       surface.weight = share / sigma;
       const std::vector<Vector3d> before = JointsOfState(state, frame);

@@ -18,8 +18,9 @@ struct CapsuleFitOutcome {
   double final_cost = 0.0;
   double sigma =
       0.0;  ///< m, standard deviation of a point's distance in the last solve, for whose problem a covariance is
-  double moved = 0.0;  ///< m, mean movement of the joints in the last matching
-  int iterations = 0;  ///< number of matchings
+  double residual = 0.0;  ///< m, robust standard deviation of the distances in the last matching
+  double moved = 0.0;     ///< m, mean movement of the joints in the last matching
+  int iterations = 0;     ///< number of matchings
   bool converged = false;
 };
 

@@ -250,10 +250,13 @@ class DepthAuditor {
     if (std::min(with_clock, with_moves) >= loss) return false;
     if (with_clock <= with_moves) {
       delay_ = std::move(delays);
-      clocks_[clock->view] = *clock;
+      ClockOffsetOfView& found = clocks_[clock->view];
+      clock->confidence = std::max(clock->confidence, found.confidence);
+      found = *clock;
     } else {
       cameras_ = std::move(moved->cameras);
-      for (const auto& [v, confidence] : moved->confidence) move_confidence_[v] = confidence;
+      for (const auto& [v, confidence] : moved->confidence)
+        move_confidence_[v] = std::max(move_confidence_[v], confidence);
     }
     if (Status seen = Resample(); !seen) return Forward(seen);
     return true;

@@ -326,9 +326,9 @@ Expected<PosedSize> BestOfFew(const SizeSearch& search, double from_height) {
     if (!refined) return refined;
     Expected<PosedSize> found = limbs(*refined);
     if (!found) return found;
-    PosedSize kept = found->cost < size.cost ? std::move(*found) : size;
-    kept.cost = refined->cost;
-    return kept;
+    if (found->cost >= size.cost) return size;
+    found->cost = refined->cost;
+    return found;
   };
   if (Status ok = ImproveEach(sizes, 1, refine); !ok) return Forward(ok);
   return sizes[0];
@@ -460,6 +460,10 @@ Expected<ShapedPerson> PersonFromClouds(std::vector<FusedCloud> clouds, const Sk
       if (!found) return found;
     }
     person = *std::move(found);
+  }
+  if (impossible && people.Has(impossible->scale)) {  // with its own shape
+    if (WorseBy(person, *impossible, chosen, skeleton, options).sum > 0.0) person = *impossible;
+    impossible.reset();
   }
   if (impossible) {
     if (Status kept = RefuseImpossible(*impossible, person, chosen, skeleton, people, rest_height, options); !kept)

@@ -68,13 +68,9 @@ class ChainPart {
     PoseEquations pose(state_);
     equations_.Resize(static_cast<int>(terms_.frames.size()), pose.columns().size());
     pose.Linearise(terms_, state_, equations_);
-    if (!equations_.Factor(Eigen::VectorXd::Zero(Eigen::Index{equations_.blocks()} * equations_.size()))) {
-      return Fail(
-          ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body",
-          "frames " + std::to_string(terms_.frames.front().frame) + " to " + std::to_string(terms_.frames.back().frame),
-          "check that the views show a person, and check their calibration");
-    }
     const Skeleton& skeleton = *terms_.body->skeleton;
+    Status factored = FactorInformation(equations_, pose.columns(), skeleton, terms_.frames.front().frame);
+    if (!factored) return factored;
     const BodyDeviations deviations =
         DeviationsInClouds(skeleton, BodyScale(skeleton, state_.bone_lengths()), 1.0, options_.rules);
     const std::vector<Vector3d> prior = PriorInClouds(skeleton, options_);
@@ -155,9 +151,9 @@ Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<F
         chain.begin() + static_cast<std::ptrdiff_t>(std::min(chain.size(), end + kContext)));
     ChainPart part(body, clouds, frames, time_s, options, state);
     if (Status solved = part.MatchAndSolve(smoothed); !solved) return Forward(solved);
-    if (options.uncertainty) {
+    if (options.uncertainty && !smoothed.undetermined) {
       if (Status added = part.Uncertainty(begin - first, end - first, &smoothed.uncertainty[begin]); !added)
-        return Forward(added);
+        smoothed.undetermined = added.error();
     }
     for (std::size_t i = first; i < begin; ++i) {
       const int f = chain[i].frame;

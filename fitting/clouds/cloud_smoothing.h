@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "fitting/clouds/capsule_fit.h"
@@ -14,6 +15,7 @@ inline constexpr const char* kUnsettledChain =
 /// Result of a chain.
 struct SmoothedChain {
   std::vector<PosePosterior> uncertainty;  ///< of each of its frames; empty ones without options.uncertainty
+  std::optional<Error> undetermined{};     ///< why there is no uncertainty (FactorInformation)
   bool settled = true;                     ///< the joints of all frames, before the matchings ended
   double initial_cost = 0.0;               ///< of all parts
   double final_cost = 0.0;                 ///< at the last matching that was solved
@@ -24,8 +26,8 @@ struct SmoothedChain {
 /// points is that of the first matching. Points are matched anew after each step that lowers the cost, until the joints
 /// settle. Writes the poses to the state. Uncertainty is from the same equations (selected inversion): that
 /// of a smoother, no frame is taken as known, and includes what a body that is not the person's does. `chain` ascends
-/// in frames; `time_s` (F). Memory is bounded by parts of 300 frames, fitted with 30 frames on either side. Error
-/// kInconsistent if the points do not determine a pose.
+/// in frames; `time_s` (F). Memory is bounded by parts of 300 frames, fitted with 30 frames on either side. Errors
+/// of Solve.
 Expected<SmoothedChain> SmoothChain(const CapsuleBody& body, const std::vector<FusedCloud>& clouds,
                                     const std::vector<FrameFit>& chain, const std::vector<double>& time_s,
                                     const PointCloudOptions& options, PoseState& state);

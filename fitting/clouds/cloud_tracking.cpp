@@ -118,7 +118,7 @@ Status Follow(int first, const std::vector<double>& time_s, const PointCloudOpti
     // Across a gap the fixed frame repeats `last`; the process noise uses the time since then.
     FrameFit fit = FitOf(f, options);
     fit.held = {{-1, time_s[f] - time_s[last]}};
-    fit.sigma = track.outcomes[last].sigma;
+    fit.sigma = track.outcomes[last].residual;
     const auto fitted = FitCloudFrame(track.body, track.clouds[f], fit, track.state, options);
     if (!fitted) return Forward(fitted);
     track.outcomes[f] = *fitted;

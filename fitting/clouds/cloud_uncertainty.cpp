@@ -50,11 +50,8 @@ Expected<PosePosterior> UncertaintyOfFrame(const CapsuleBody& body, const FusedC
   PoseEquations pose(state);
   BlockTridiagonal equations(1, pose.columns().size());
   pose.Linearise(terms, state, equations);
-  if (!equations.Factor(Eigen::VectorXd::Zero(equations.size()))) {
-    return Fail(ErrorCode::kInconsistent, "the points of the depth views do not determine a pose of the body",
-                "frame " + std::to_string(fit.frame),
-                "check that the views show a person, and check their calibration");
-  }
+  if (Status factored = FactorInformation(equations, pose.columns(), *body.skeleton, fit.frame); !factored)
+    return Forward(factored);
   PosePosterior posterior;
   equations.VisitInverse([&](int, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd&) {
     posterior = PosteriorOf(pose.columns(), state, fit.frame, covariance, PriorInClouds(*body.skeleton, options));
@@ -70,19 +67,18 @@ namespace {
 
 constexpr float kUnknownPlaceVariance = 1.0F;  ///< m^2, of a joint without information (numerical)
 constexpr double kLever = 0.25;                ///< m; usual bone of a limb: places that are unsure rotate it
-/// rad; standard deviation of a uniform angle (numerical).
-const float kUnknownAngleSigma = static_cast<float>(kPi / std::sqrt(3.0));
 
 }  // namespace
 
-UncertainMotion::UncertainMotion(int frames, int joints) : joints_(joints) {
-  const auto numbers = static_cast<std::size_t>(frames) * static_cast<std::size_t>(joints);
+UncertainMotion::UncertainMotion(int frames, const std::vector<Vector3d>& prior)
+    : joints_(static_cast<int>(prior.size())) {
+  const auto numbers = static_cast<std::size_t>(frames) * prior.size();
   position_cov_.assign(6 * numbers, 0.0F);
+  rotation_observed_.assign(3 * numbers, 0.0F);
   for (std::size_t at = 0; at < numbers; ++at) {
     for (const int i : {0, 3, 5}) position_cov_[6 * at + static_cast<std::size_t>(i)] = kUnknownPlaceVariance;
+    for (int i = 0; i < 3; ++i) rotation_sigma_.push_back(static_cast<float>(std::sqrt(prior[at % prior.size()][i])));
   }
-  rotation_sigma_.assign(3 * numbers, kUnknownAngleSigma);
-  rotation_observed_.assign(3 * numbers, 0.0F);
 }
 
 UncertainMotion::UncertainMotion(const Motion& motion)

@@ -34,8 +34,8 @@ Expected<PosePosterior> UncertaintyOfFrame(const CapsuleBody& body, const FusedC
 /// The uncertainty of all frames of a motion, in the layout of Motion.
 class UncertainMotion {
  public:
-  /// All frames begin without information.
-  UncertainMotion(int frames, int joints);
+  /// All frames begin without evidence: variances of rotations `prior` (J), rad^2.
+  UncertainMotion(int frames, const std::vector<Vector3d>& prior);
   /// Begins with the uncertainty of `motion`.
   explicit UncertainMotion(const Motion& motion);
 

@@ -37,7 +37,7 @@ std::vector<bool> CoverageSample(const FusedCloud& cloud, double voxel_size);
 /// edge (m, at least `voxel_size`) at which a surface has as many voxels as the cloud has points.
 double SpacingOf(const FusedCloud& cloud, double voxel_size);
 
-/// Some of a cloud's points.
+/// Some of a cloud's points, of its spacing.
 FusedCloud ChosenPoints(const FusedCloud& cloud, const std::vector<int>& points);
 
 /// Every n-th point, about `count` in total.

@@ -114,9 +114,10 @@ Expected<SmoothedTrack> Smooth(const std::vector<double>& time_s, const PointClo
   return result;
 }
 
-void AddUncertainty(const SmoothedTrack& track, const Shown& shown, FitResult& result) {
+void AddUncertainty(const SmoothedTrack& track, const Shown& shown, const PointCloudOptions& options,
+                    FitResult& result) {
   const Motion& motion = result.motion;
-  UncertainMotion uncertain(motion.frame_count(), motion.joint_count());
+  UncertainMotion uncertain(motion.frame_count(), PriorInClouds(*motion.skeleton, options));
   for (std::size_t i = 0; i < track.chain.size(); ++i) {
     const int f = track.chain[i].frame;
     uncertain.Set(f, track.smoothed.uncertainty[i], shown.error[static_cast<std::size_t>(f)]);
@@ -314,7 +315,8 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   best->first.start = start;
   CloudTrack* const track = &best->first;
   SmoothedTrack* const smoothed = &best->second;
-  if (other && options.uncertainty) {
+  const bool stated = options.uncertainty && !smoothed->smoothed.undetermined;
+  if (other && stated && !other->second.smoothed.undetermined) {
     for (std::size_t i = 0; i < smoothed->chain.size(); ++i) {
       const int f = smoothed->chain[i].frame;
       const auto same = std::find_if(other->second.chain.begin(), other->second.chain.end(),
@@ -332,7 +334,8 @@ Expected<FitResult> FitFusedClouds(std::vector<FusedCloud> clouds, const CloudCl
   const bool settled = smoothed->smoothed.settled;
   result.initial_cost = smoothed->smoothed.initial_cost;
   result.final_cost = smoothed->smoothed.final_cost;
-  if (options.uncertainty) AddUncertainty(*smoothed, shown, result);
+  if (stated) AddUncertainty(*smoothed, shown, options, result);
+  if (smoothed->smoothed.undetermined) result.findings.push_back(NoUncertainty(*smoothed->smoothed.undetermined));
   if (other) ReportAmbiguous(chance, apart, other->first.state, result);
   ReportContradiction(*track, result);
   ReportUntrackedFrames(*track, result);

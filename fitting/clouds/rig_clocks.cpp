@@ -79,7 +79,7 @@ class Shifts {
       const auto n = static_cast<double>(slopes.size());
       return SpanConfidence(std::abs(offset) * bend / std::sqrt(square * n / (n - 1.0)), slopes.size());
     };
-    return std::min(confidence(single), confidence(groups));
+    return groups.size() == 1 ? confidence(single) : std::min(confidence(single), confidence(groups));
   }
 
  private:
@@ -177,9 +177,10 @@ Expected<std::optional<ClockOffsetOfView>> FindClockOffset(DepthRigSampler& samp
   for (std::size_t v = 0; v < delays.size(); ++v) {
     const auto found = FindShift(sampler, delays, cameras, v, longest);
     if (!found) return Forward(found);
-    if (*found && (!best || (*found)->decrease >= best->decrease)) best = **found;
+    const bool is_sure = *found && (*found)->confidence >= sure;
+    if (is_sure && (!best || (*found)->decrease >= best->decrease)) best = **found;
   }
-  return best && best->confidence >= sure ? best : std::nullopt;
+  return best;
 }
 
 Expected<double> LeastLossBetweenFrames(DepthRigSampler& sampler, const std::vector<int>& delays,

@@ -26,11 +26,11 @@ constexpr double kOne = 1.0;        ///< number 1 as an argument of BLAS (numeri
 constexpr double kMinusOne = -1.0;  ///< number -1 as an argument of BLAS (numerical)
 constexpr int kStep = 1;            ///< number 1 as an argument of BLAS (numerical)
 
-/// A = U'U in the upper triangle.
-bool CholeskyInPlace(double* a, int n) {
+/// A = U'U in the upper triangle. Number of the row that is not positive definite, from 1; 0: none.
+int CholeskyInPlace(double* a, int n) {
   int info = 0;
   dpotrf_("U", &n, a, &n, &info);
-  return info == 0;
+  return info;
 }
 
 /// U := (U'U)^-1, both triangles.
@@ -102,10 +102,26 @@ bool BlockTridiagonal::Factor(const Eigen::VectorXd& damping) {
       SubtractSquare(above, size_, size_, diagonal);
       SubtractProduct(above, above + Square(1), size_, panel + Square(1));
     }
-    if (!CholeskyInPlace(diagonal, size_)) return false;
+    if (const int row = CholeskyInPlace(diagonal, size_); row != 0) {
+      failed_ = {f, row - 1};
+      return false;
+    }
     const bool last = f + 1 == blocks_;
     double* first = last ? panel + Square(1) : panel;
     SolveTransposedInPlace(diagonal, size_, first, last ? 1 : size_ + 1);
+  }
+  return true;
+}
+
+bool BlockTridiagonal::IsDetermined() {
+  constexpr double kRounding = 1e-12;  ///< of the diagonal (numerical)
+  for (int f = 0; f < blocks_; ++f) {
+    for (int row = 0; row < size_; ++row) {
+      const std::size_t at = Square(f) + static_cast<std::size_t>(row) * static_cast<std::size_t>(size_ + 1);
+      if (factor_[at] * factor_[at] > kRounding * diagonal_[at]) continue;
+      failed_ = {f, row};
+      return false;
+    }
   }
   return true;
 }
@@ -152,7 +168,7 @@ void BlockTridiagonal::VisitInverse(const VisitBlocks& visit) const {
 
 bool InvertInPlace(Eigen::MatrixXd& matrix) {
   const auto size = static_cast<int>(matrix.rows());
-  if (!CholeskyInPlace(matrix.data(), size)) return false;
+  if (CholeskyInPlace(matrix.data(), size) != 0) return false;
   InverseOfFactored(matrix);
   return true;
 }

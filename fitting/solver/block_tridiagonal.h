@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace mocurate {
@@ -39,6 +40,10 @@ class BlockTridiagonal {
 
   /// Cholesky factor of H + diag(damping) (F n numbers); false if that is not positive definite.
   bool Factor(const Eigen::VectorXd& damping);
+  /// Whether every pivot of the factored matrix is above rounding.
+  bool IsDetermined();
+  /// Block and row where Factor failed, or IsDetermined.
+  std::pair<int, int> failed() const { return failed_; }
   /// x of the factored matrix (F n).
   Eigen::VectorXd Solve() const;
 
@@ -53,6 +58,7 @@ class BlockTridiagonal {
 
   int blocks_ = 0;
   int size_ = 0;
+  std::pair<int, int> failed_{-1, -1};
   std::vector<double> diagonal_;  ///< D_f, one after the other
   std::vector<double> panel_;     ///< [O_f g_f]
   std::vector<double> factor_;    ///< upper U_f with U'U = D_f - ...

@@ -247,8 +247,8 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     if (last) break;
     if (step.refit_process_noise) {
       auto refitted = RefitProcessNoise(whole);
-      if (!refitted) return Forward(refitted);
-      factors = std::move(*refitted);
+      if (!refitted && refitted.error().code != ErrorCode::kInconsistent) return Forward(refitted);
+      if (refitted) factors = std::move(*refitted);  // else a frame is not determined, which the uncertainty says
     }
     if (options.contact_process_noise) {
       if (!factors) factors = ProcessNoiseScale::Ones(tracks.confidence.size());
@@ -268,12 +268,15 @@ Expected<FitResult> FitJointTracks(const SkeletonTracks& given, const FrameRate&
     const double assumed = noise.sigma / sigma;
     const bool unmeasured = !noise.measured && options.rules.on(FittingRule::kUnmeasuredNoise);
     auto uncertainty = UncertaintyOfTracks(whole, unmeasured ? assumed * assumed : 0.0);
-    if (!uncertainty) return Forward(uncertainty);
-    result.motion.position_cov = std::move(uncertainty->position_cov);
-    result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);
-    result.motion.rotation_observed = std::move(uncertainty->rotation_observed);
-    result.variance_factor = uncertainty->variance_factor;
-    result.poses = std::move(uncertainty->poses);
+    if (uncertainty) {
+      result.motion.position_cov = std::move(uncertainty->position_cov);
+      result.motion.rotation_sigma = std::move(uncertainty->rotation_sigma);
+      result.motion.rotation_observed = std::move(uncertainty->rotation_observed);
+      result.variance_factor = uncertainty->variance_factor;
+      result.poses = std::move(uncertainty->poses);
+    } else {
+      result.findings.push_back(NoUncertainty(uncertainty.error()));
+    }
   }
   const std::vector<bool> contradicted =
       FindContradictedSamples(tracks, result.motion.joints, result.variance_factor * sigma * sigma);

@@ -6,7 +6,8 @@
 namespace mocurate {
 namespace {
 
-constexpr int kOfCapsule = 7;  ///< numbers of a capsule: its ends and its radius
+constexpr double kUnknownPlace = 1.0;  ///< m^2; variance of a place that is not known (numerical)
+constexpr int kOfCapsule = 7;          ///< numbers of a capsule: its ends and its radius
 
 /// Couples the rows of a frame with the body.
 struct Coupling {
@@ -65,6 +66,10 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
   const PoseColumns& columns = equations.columns();
   BlockTridiagonal information(1, columns.size());
   equations.Linearise(of_frame, state, information);
+  // No prior of a frame alone knows where the root is: as far as nothing shows it, the body does not move it.
+  information.Diagonal(0).diagonal().head<3>().array() += 1.0 / kUnknownPlace;
+  if (const int root = columns.of(0); root >= 0)
+    information.Diagonal(0).diagonal().segment<3>(root).array() += 1.0 / kUnknownAngle;
   position_.assign(joints, Matrix3d::Zero());
   rotation_.assign(joints, Matrix3d::Zero());
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(information.Diagonal(0));

@@ -10,6 +10,8 @@
 
 namespace mocurate {
 
+constexpr double kUnknownAngle = 3.289868133696453;  ///< rad^2; variance of a uniform angle, pi^2 / 3 (numerical)
+
 /// Metres, standard deviation per axis of a bone's end about its place on the skeleton in the person's size, for bones
 /// that start in the trunk (at a joint on the midline). Root mean square over bodies of body_cc0 between its man and
 /// its woman. Valid for people whose joints are placed by one rule; a skeleton with other rules (another end of the

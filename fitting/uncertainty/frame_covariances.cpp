@@ -1,11 +1,11 @@
 #include "fitting/uncertainty/frame_covariances.h"
 
 #include <algorithm>
-#include <string>
 
 #include "core/geometry/rotation.h"
 #include "fitting/solver/block_tridiagonal.h"
 #include "fitting/solver/one_thread.h"
+#include "fitting/uncertainty/pose_posterior.h"
 
 namespace mocurate {
 
@@ -23,12 +23,8 @@ Status VisitCovariances(const TrackProblem& whole, const std::function<void(cons
     BlockTridiagonal& equations = whole.memory != nullptr ? *whole.memory : own_memory;
     equations.Resize(static_cast<int>(terms.frames.size()), pose.columns().size());
     pose.Linearise(terms, whole.state, equations);
-    if (!equations.Factor(Eigen::VectorXd::Zero(Eigen::Index{equations.blocks()} * equations.size()))) {
-      return Fail(ErrorCode::kInconsistent,
-                  "the pose is undetermined in spite of its priors (singular normal equations)",
-                  "frames " + std::to_string(begin) + " to " + std::to_string(end),
-                  "check that these frames show a person, in metres");
-    }
+    Status factored = FactorInformation(equations, pose.columns(), *whole.tracks.skeleton, first);
+    if (!factored) return factored;
     Eigen::MatrixXd next;
     equations.VisitInverse([&](int f, const Eigen::MatrixXd& own, const Eigen::MatrixXd& with_next) {
       const int frame = first + f;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "fitting/uncertainty/body_response.h"
@@ -29,6 +30,21 @@ PosePosterior PosteriorOf(const PoseColumns& columns, const PoseState& state, in
   }
   posterior.prior = std::move(prior);
   return posterior;
+}
+
+Status FactorInformation(BlockTridiagonal& information, const PoseColumns& columns, const Skeleton& skeleton,
+                         int first) {
+  const Eigen::VectorXd no_damping = Eigen::VectorXd::Zero(Eigen::Index{information.blocks()} * information.size());
+  if (information.Factor(no_damping) && information.IsDetermined()) return {};
+  const auto [block, row] = information.failed();
+  std::string what = "the root's position";
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const int column = columns.of(j);
+    if (row >= 3 && column >= 0 && row >= column && row < column + 3)
+      what = "the rotation of " + skeleton.joints[static_cast<std::size_t>(j)].name;
+  }
+  return Fail(ErrorCode::kInconsistent, "nothing determines " + what + " (normal equations that are not definite)",
+              "frame " + std::to_string(first + block), "check that this frame shows a person, in metres");
 }
 
 void WidenRotation(double variance, float& sigma, float& observed) {

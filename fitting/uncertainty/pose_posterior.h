@@ -7,8 +7,6 @@
 
 namespace mocurate {
 
-constexpr double kUnknownAngle = 3.289868133696453;  ///< rad^2; variance of a uniform angle, pi^2 / 3 (numerical)
-
 /// What a fit knows of a frame's pose: the inverse of the information of the problem that was solved, for its joints.
 struct PosePosterior {
   std::vector<Matrix3d> position;  ///< (J) covariance of joints in the world, m^2
@@ -24,6 +22,11 @@ Vector3d RotationVariance(const PoseState& state, int frame, int joint, const Ei
 /// included.
 PosePosterior PosteriorOf(const PoseColumns& columns, const PoseState& state, int frame,
                           const Eigen::MatrixXd& covariance, std::vector<Vector3d> prior);
+
+/// Factors the information of frames' unknowns, the first of which is the frame `first`. Error kInconsistent where it
+/// is not positive definite: names the frame and what nothing determines in it.
+Status FactorInformation(BlockTridiagonal& information, const PoseColumns& columns, const Skeleton& skeleton,
+                         int first);
 
 /// Adds to the variance of a rotation about an axis that is stated as sigma (rad) and observed: at most its prior's.
 void WidenRotation(double variance, float& sigma, float& observed);

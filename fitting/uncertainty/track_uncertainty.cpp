@@ -153,7 +153,7 @@ BodyDeviations DeviationsOfTracks(const TrackProblem& whole) {
   BodyDeviations deviations{std::vector<double>(joints, 0.0)};
   deviations.length_measured.assign(joints, false);
   deviations.point = whole.tracks.place_sigma;
-  deviations.fixed = whole.rest_sigma;
+  for (const double sigma : whole.rest_sigma) deviations.fixed.push_back(std::min(sigma, std::sqrt(kUnknownAngle)));
   for (int j = 1; j < whole.state.joints(); ++j) {
     const auto at = static_cast<std::size_t>(j), start = static_cast<std::size_t>(whole.state.parent(j));
     deviations.length_measured[at] = whole.shown[at] && whole.shown[start];
@@ -162,9 +162,15 @@ BodyDeviations DeviationsOfTracks(const TrackProblem& whole) {
   return deviations;
 }
 
-/// A frame's terms with every joint that the tracks show in any frame: a body's error is constant.
+/// A frame's terms with every joint that the tracks show in any frame, and the rest pose as in the middle of the clip:
+/// a body's error is constant.
 PoseTerms TermsOfAllShown(const TrackProblem& whole, int frame) {
   PoseTerms terms = whole.Terms(frame, frame + 1, false);
+  if (whole.frames() > 2) {
+    const int inside = std::clamp(frame, 1, whole.frames() - 2);
+    for (int j = 0; j < whole.state.joints(); ++j)
+      terms.frames.front().priors[static_cast<std::size_t>(j)].rest = whole.RestInformation(inside, j);
+  }
   for (int j = 0; j < whole.state.joints(); ++j) {
     if (!whole.shown[static_cast<std::size_t>(j)] || whole.tracks.seen(frame, j)) continue;
     terms.frames.front().points.push_back({j, whole.state.position(frame, j), Matrix3d::Identity() / whole.sigma});

@@ -22,11 +22,11 @@ struct PoseUncertainty {
 /// calibrated. `whole` is the whole clip. A rotation vector's error is given in the joint's frame, J_r dw. The prior
 /// variance of a rotation is that of rest pose and random walk without evidence (TrackProblem::RestInformation), at
 /// most the typical rotation; for the root that of a uniform angle, pi^2 / 3. No standard deviation is larger.
-/// Directions without evidence, such as the twist of a straight limb, keep their prior variance: observed 0. Bones that
-/// the tracks show count as exact; the others add the variation between bodies (CovarianceOfBody). Persistent residuals
-/// add theirs (PersistentResidualCovariance). After 0.6 s without observation, standard deviations grow with the gap's
-/// length (FindGapInflation). The a-posteriori variance is at least `least_factor`, for noise that residuals do not
-/// show. Error kInconsistent if the matrix cannot be factored.
+/// Directions without evidence, such as the twist of a straight limb, keep their prior variance: observed 0. Bodies
+/// that are not the person's add what the pose does then (BodyResponse). Persistent residuals add theirs
+/// (PersistentResidualCovariance). After 0.6 s without observation, standard deviations grow with the gap's length
+/// (FindGapInflation). The a-posteriori variance is at least `least_factor`, for noise that residuals do not show.
+/// Error kInconsistent if the matrix cannot be factored.
 Expected<PoseUncertainty> UncertaintyOfTracks(const TrackProblem& whole, double least_factor = 0.0);
 
 }  // namespace mocurate

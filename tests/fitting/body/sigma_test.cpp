@@ -57,8 +57,10 @@ std::vector<float> OfTakeWithout(const std::vector<int>& hidden) {
 
 TEST(BodySigma, IsSmallWhereAllJointsAreObserved) {
   const auto covariances = OfTakeWithout({});
-  for (int j = 0; j < 14; ++j)
+  for (int j = 0; j < 14; ++j) {
+    EXPECT_GT(CovarianceOfJoint(covariances, 5, j, 14).trace(), 1e-8) << j;
     EXPECT_LT(CovarianceOfJoint(covariances, 5, j, 14).trace(), 3.0 * kTrunkSigma * kTrunkSigma) << j;
+  }
 }
 
 TEST(BodySigma, BeyondTheLastObservedJointIsThatOfOneBoneAndOneRotation) {

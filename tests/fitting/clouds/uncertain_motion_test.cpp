@@ -17,7 +17,7 @@ PosePosterior OfTwoJoints() {
 }
 
 TEST(UncertainMotion, RotationsAreAtMostAsUncertainAsThePriorAndObservedAccordingly) {
-  UncertainMotion uncertain(1, 2);
+  UncertainMotion uncertain(1, {Vector3d::Constant(kUnknownAngle), Vector3d::Constant(0.04)});
   uncertain.Set(0, OfTwoJoints(), 0.1);
   Motion motion;
   uncertain.Write(motion);
@@ -31,7 +31,7 @@ TEST(UncertainMotion, RotationsAreAtMostAsUncertainAsThePriorAndObservedAccordin
 }
 
 TEST(UncertainMotion, JointsThatDoNotMoveKeepTheirRotation) {
-  UncertainMotion uncertain(1, 2);
+  UncertainMotion uncertain(1, {Vector3d::Constant(kUnknownAngle), Vector3d::Constant(0.04)});
   uncertain.Set(0, OfTwoJoints());
   PosePosterior other = OfTwoJoints();
   other.rotation.assign(2, Vector3d::Constant(0.04));

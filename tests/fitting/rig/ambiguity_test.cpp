@@ -162,6 +162,8 @@ double DistanceOf(const JointTracks& a, const JointTracks& b) {
     const Eigen::Map<const Vector3d> one(a.positions.xyz.data() + 3 * i), other(b.positions.xyz.data() + 3 * i);
     apart.push_back((one - other).norm());
   }
+  EXPECT_FALSE(apart.empty());
+  EXPECT_EQ(a.confidence.size(), b.confidence.size());
   return MeanMedian(apart);
 }
 

@@ -6,6 +6,7 @@
 #include "fitting/evidence/noise.h"
 #include "fitting/fit_outcome.h"
 #include "fitting/proportions.h"
+#include "fitting/solver/joint_track_fit.h"
 #include "tests/fitting/takes.h"
 #include "tests/fitting/track_problems.h"
 
@@ -208,6 +209,34 @@ TEST(BadTracks, FitsZeroLengthBonesWithALargeResidual) {
   const auto person = EstimateProportions({*tracks}, TestSkeleton(), ProportionsOptions{});
   for (const double length : person.bone_length) EXPECT_TRUE(std::isfinite(length) && length >= 0.0);
   EXPECT_FALSE(FitTracksOfClip(clip, TestSkeleton(), take.truth.bone_length, FittingOptions{}).has_value());
+}
+
+/// After a pause of the recording nothing shows the person any more: where she is then, no prior knows.
+TEST(BadTracks, StatesNoUncertaintyWhereNothingDeterminesTheRoot) {
+  PlayedTake take = SmoothTake(60);
+  for (int f = 40; f < 60; ++f) {
+    take.tracks.time_s[static_cast<std::size_t>(f)] += 2.0 * kMaxGap_s;
+    for (int j = 0; j < take.tracks.joints(); ++j) Hide(take.tracks, f, j);
+  }
+  for (const PoseSolver solver : {PoseSolver::kCeres, PoseSolver::kBanded}) {
+    JointTrackOptions options;
+    options.solver = solver;
+    const auto fit = FitJointTracks(take.tracks, take.truth.rate, take.truth.bone_length, options);
+    ASSERT_TRUE(fit) << fit.error().Message();
+    EXPECT_TRUE(fit->motion.position_cov.empty());
+    EXPECT_TRUE(fit->motion.rotation_sigma.empty());
+    const auto finding = std::find_if(fit->findings.begin(), fit->findings.end(),
+                                      [](const Finding& of_fit) { return of_fit.code == kNoUncertainty; });
+    ASSERT_NE(finding, fit->findings.end());
+    EXPECT_NE(finding->message.find("pelvis"), std::string::npos) << finding->message;
+
+    double worst = 0.0;
+    for (int f = 0; f < 40; ++f) {
+      for (int j = 0; j < take.tracks.joints(); ++j)
+        worst = std::max(worst, (fit->motion.joints.at(f, j) - take.truth.joints.at(f, j)).norm());
+    }
+    EXPECT_LT(worst, 0.01) << "the frames before are fitted";
+  }
 }
 
 }  // namespace
