@@ -70,10 +70,10 @@ BodyResponse::BodyResponse(const PoseTerms& terms, const PoseState& state, int i
   information.Diagonal(0).diagonal().head<3>().array() += 1.0 / kUnknownPlace;
   if (const int root = columns.of(0); root >= 0)
     information.Diagonal(0).diagonal().segment<3>(root).array() += 1.0 / kUnknownAngle;
-  position_.assign(joints, Matrix3d::Zero());
-  rotation_.assign(joints, Matrix3d::Zero());
   const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> factor(information.Diagonal(0));
   known_ = factor.info() == Eigen::Success;
+  position_.assign(joints, known_ ? Matrix3d::Zero() : Matrix3d(kUnknownPlace * Matrix3d::Identity()));
+  rotation_.assign(joints, known_ ? Matrix3d::Zero() : Matrix3d(kUnknownAngle * Matrix3d::Identity()));
   if (!known_) return;
 
   Coupling sums{std::vector<Matrix6d>(joints, Matrix6d::Zero()),

@@ -48,7 +48,7 @@ class BodyResponse {
   /// Of the frame `index` of the terms, at the state's pose; kinematics up to date, derivatives included.
   BodyResponse(const PoseTerms& terms, const PoseState& state, int index, const BodyDeviations& deviations);
 
-  /// Whether H can be inverted; if not, nothing is known.
+  /// Whether H can be inverted; if not, the covariances are those of a joint of which nothing is known.
   bool known() const { return known_; }
   /// (J) covariance that it adds to positions of joints in the world, m^2.
   const std::vector<Matrix3d>& position() const { return position_; }

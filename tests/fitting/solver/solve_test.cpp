@@ -177,5 +177,11 @@ TEST(PoseSolvers, FitsLongClipsInContinuousWindows) {
   EXPECT_LT(LargestError(one->motion.joints, many->motion.joints), 1e-3);
 }
 
+TEST(HuberSigmas, HasOneShareOfCleanSamplesForAnyCoordinates) {
+  EXPECT_NEAR(HuberSigmas(0.1, 1), 1.6449, 1e-4);  // normal distribution, two sides
+  EXPECT_NEAR(HuberSigmas(0.1, 3), 2.5003, 1e-4);  // chi distribution of three coordinates
+  EXPECT_NEAR(HuberSigmas(0.0455, 1), 2.0, 1e-3);
+}
+
 }  // namespace
 }  // namespace mocurate
