@@ -255,6 +255,6 @@ StageDeclaration RigDeclaration() { return {"rig", 4, "mocurate-annotate", Solve
 
 StageDeclaration ProportionsDeclaration() { return {"proportions", 38, "mocurate-annotate", SolverLimits()}; }
 
-StageDeclaration FittingDeclaration() { return {"fitting", 64, "mocurate-annotate", SolverLimits()}; }
+StageDeclaration FittingDeclaration() { return {"fitting", 65, "mocurate-annotate", SolverLimits()}; }
 
 }  // namespace mocurate

@@ -272,6 +272,12 @@ Status CheckMethod(const JobOptions& options, JobStage last) {
     methods.insert(methods.end(), {FitMethod::kPointClouds, FitMethod::kJointsAndClouds});
   const JobStage first = options.fitting.method == FitMethod::kNone ? JobStage::kCanon : JobStage::kProportions;
   const bool suits = std::find(methods.begin(), methods.end(), options.fitting.method) != methods.end();
+  const FitMethod method = options.fitting.method;
+  const bool both = method == FitMethod::kJointsAndClouds || method == FitMethod::kKeypointsAndClouds;
+  if (both && last >= first && !options.fitting.joint_tracks.uncertainty) {
+    return Fail(ErrorCode::kConfig, "is false, but both kinds of evidence are weighed by the uncertainty of the tracks",
+                "fitting.joint_tracks.uncertainty", "set it to true, or fit one of them: fitting.method");
+  }
   if (suits || last < first) return {};
   FittingOptions wanted;
   wanted.method = gives == EvidenceKind::kMotion ? FitMethod::kNone : MethodFor(gives);

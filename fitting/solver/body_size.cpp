@@ -120,6 +120,11 @@ Status CheckBody(const SkeletonTracks& clip, const std::string& where) {
     thickness.push_back(extents->first);
     flat += extents->first <= kFlatBody * extents->second ? 1 : 0;
   }
+  if (frames == 0 && clip.joints() >= kFewestJoints) {
+    return Fail(ErrorCode::kInconsistent,
+                "no frame shows " + std::to_string(kFewestJoints) + " joints: the pose of the body is not determined",
+                where, "map more joints of the source (ingest.source.joints), or drop the clip");
+  }
   const auto bodies = static_cast<long long>(thickness.size());
   if (frames > 0 && bodies == 0) {
     return Fail(ErrorCode::kInconsistent,

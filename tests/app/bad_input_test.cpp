@@ -316,6 +316,8 @@ TEST_F(MistakenDeclaration, ValuesThatAreWrongByThemselvesAreReportedAtOnceBefor
                "canon.rate: 'abc' is no frame rate", "there is no role 'tset' (did you mean 'test'?)"});
   ExpectError(Run({"canon.rate=0"}), 2, {"canon.rate"});
   ExpectError(Run({"fitting.method=point_clouds"}, "fitting"), 2, {"fitting.method", "write `method: joint_tracks`"});
+  ExpectError(Run({"fitting.method=joints_and_clouds", "fitting.joint_tracks.uncertainty=false"}, "fitting"), 2,
+              {"fitting.joint_tracks.uncertainty"});
   ExpectError(Run({"audit.split=foo"}), 2, {"audit.split: there is no split 'foo'"});
   EXPECT_FALSE(fs::exists(folder_ / "r"));
   EXPECT_EQ(Run({"canon.rate=25fps"}).exit_code, 0);

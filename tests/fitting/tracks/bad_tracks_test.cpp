@@ -60,6 +60,18 @@ TEST(BadTracks, FitsOneAndTwoFrames) {
   EXPECT_EQ(TimesReported(SoundFit(ClipOf(SmoothTake(30))), "noise_not_measured"), 0);
 }
 
+TEST(BadTracks, RefusesAClipThatShowsTooFewJoints) {
+  for (const int shown : {4, 6}) {
+    PlayedTake take = SmoothTake(20);
+    for (int f = 0; f < 20; ++f) {
+      for (int j = shown; j < take.tracks.joints(); ++j)
+        take.tracks.confidence[static_cast<std::size_t>(f) * take.tracks.joints() + j] = 0.0;
+    }
+    const auto fit = FitTracksOfClip(ClipOf(take), TestSkeleton(), {}, FittingOptions());
+    ASSERT_EQ(fit.has_value(), shown == 6) << shown;
+  }
+}
+
 /// 2-D points whose depth is a constant.
 TEST(BadTracks, RefusesJointsInOnePlane) {
   PlayedTake take = SmoothTake(60);
