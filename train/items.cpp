@@ -399,8 +399,9 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       const std::string epochs = Counted(rules.epochs, "epoch");
       const std::string all = " on all training clips, after as many without the validation part";
       const std::string length =
-          rules.anneal ? epochs + (rules.refit ? all : "")
-                       : "at most " + epochs + (rules.refit ? " to select and as many as were best to refit" : "");
+          rules.released ? epochs + " on all training clips, the last one kept"
+          : rules.anneal ? epochs + (rules.refit ? all : "")
+                         : "at most " + epochs + (rules.refit ? " to select and as many as were best to refit" : "");
       std::string of_made;
       if (const auto rule = RuleOf(network.trained_on)) {
         of_made = std::string("; ") +

@@ -95,6 +95,9 @@ void GruRecogniserOptions::DeclareEpochs(OptionVisitor& v) {
   v.Bool("refit", refit, "train again on all training clips for the chosen number of epochs");
   v.Number("smallest_validation", smallest_validation, Unit::kNone, {0.01, 0.5},
            "share of the training clips held out when the split has no validation part and too few persons");
+  v.Bool("released", released,
+         "hold out no clip, train all epochs and keep the last, as the released codes do; then no validation score "
+         "shows how well it does");
 }
 
 void Action2MotionOptions::Declare(OptionVisitor& v) {
@@ -143,6 +146,9 @@ void ActMoCoGanOptions::Declare(OptionVisitor& v) {
   v.Number("pose_weight", pose_weight, Unit::kNone, {0.0, 100.0}, "weight of the pose discriminator; 0: none");
   v.Number("smoothness_weight", smoothness_weight, Unit::kNone, {0.0, 100.0},
            "weight of the differences between frames (0.3 with the released switch)");
+  v.Integer(
+      "motion_batch", motion_batch, {0.0, 1000.0},
+      "motions of a batch that the motion discriminator judges; 0: all (released: 3, of 20 frames, with 30 poses)");
 }
 
 void TwoStageGanOptions::Declare(OptionVisitor& v) {
@@ -152,6 +158,8 @@ void TwoStageGanOptions::Declare(OptionVisitor& v) {
   v.Number("pose_share", pose_share, Unit::kNone, {0.01, 0.99}, "share of the iterations for the pose generator");
   v.Integer("critic_steps", critic_steps, {1.0, 100.0}, "critic steps per generator step");
   v.Number("weight_clip", weight_clip, Unit::kNone, {1e-6, 10.0}, "largest absolute weight of a critic");
+  v.Number("gradient_penalty", gradient_penalty, Unit::kNone, {0.0, 1000.0},
+           "weight of a gradient penalty instead of clipped critics (10 in Gulrajani et al. 2017); 0: clipped");
 }
 
 void ActorOptions::Declare(OptionVisitor& v) {
@@ -408,9 +416,9 @@ void NetworkOptions::Declare(OptionVisitor& v) {
   }
 }
 
-StageDeclaration TrainDeclaration() { return {"train", 12, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration TrainDeclaration() { return {"train", 13, "mocurate-learn", WholeSetLimits()}; }
 
-StageDeclaration GenerateDeclaration() { return {"generate", 5, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration GenerateDeclaration() { return {"generate", 6, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration TrainCostDeclaration() { return {"train_cost", 1, "mocurate-learn", WholeSetLimits()}; }
 
 }  // namespace mocurate

@@ -98,7 +98,10 @@ struct GruRecogniserOptions {
   std::int64_t check_every = 5;      ///< epochs between two checks on the validation fold
   bool refit = true;                 ///< train again on all training clips for the chosen number of epochs
   double smallest_validation = 0.1;  ///< without a validation part and persons: share of the clips held out
+  bool released = false;             ///< nothing is held out and the last epoch is kept (a2m_actor.md D.1)
   void Declare(OptionVisitor& v);
+  bool selects() const { return !released; }
+  bool refits() const { return refit && !released; }
   /// The options of training length and data, which other recognisers share.
   void DeclareEpochs(OptionVisitor& v);
 };
@@ -144,6 +147,7 @@ struct ActMoCoGanOptions {
   double category_weight = 0.7;    ///< of the class in the generator's loss
   double pose_weight = 0.5;        ///< of the pose discriminator; 0: none
   double smoothness_weight = 0.0;  ///< of frame differences; 0.3 where the released switch is on
+  std::int64_t motion_batch = 0;   ///< motions of a batch that the motion discriminator judges; 0: all (released: 3)
   void Declare(OptionVisitor& v);
 };
 
@@ -155,6 +159,7 @@ struct TwoStageGanOptions {
   double pose_share = 0.5;        ///< of the iterations, for the pose generator
   std::int64_t critic_steps = 5;  ///< critic steps per generator step
   double weight_clip = 0.01;      ///< largest weight of a critic
+  double gradient_penalty = 0.0;  ///< weight of the penalty that replaces the clipping; 0: weights are clipped
   void Declare(OptionVisitor& v);
 };
 

@@ -50,10 +50,11 @@ nlohmann::json SummaryOf(const Checkpoint& checkpoint, const NetworkOptions& opt
                             {"history", HistoryOf(checkpoint)}};
   if (!options.recognises()) return summary;
   summary["validation_rule"] = checkpoint.facts.at("validation_rule");
-  summary["validation_accuracy"] = checkpoint.facts.at("best_accuracy");
+  summary["validation_accuracy"] = nullptr;
+  if (options.recogniser.selects()) summary["validation_accuracy"] = checkpoint.facts.at("best_accuracy");
   summary["chosen_epoch"] = checkpoint.facts.at("best_epoch");
   summary["epochs"] = options.recogniser.epochs;
-  summary["refit"] = options.recogniser.refit;
+  summary["refit"] = options.recogniser.refits();
   summary["train_accuracy"] = LastOf(checkpoint, "accuracy");
   return summary;
 }

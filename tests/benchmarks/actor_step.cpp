@@ -20,7 +20,6 @@ int main(int argc, char** argv) {
   const int threads = argc > 2 ? std::atoi(argv[2]) : 1;
   TrainingSet set;
   set.skeleton = benchmarks::HumanAct12Skeleton();
-  for (const Joint& joint : set.skeleton->joints) set.rest_offset.push_back(joint.rest_offset);
   for (int c = 0; c < 12; ++c) set.labels.push_back("label" + std::to_string(c));
   Random random(0, "benchmark");
   for (int i = 0; i < 200; ++i) {
@@ -35,6 +34,7 @@ int main(int argc, char** argv) {
       q.normalize();
       for (const double value : {q.w(), q.x(), q.y(), q.z()}) set.rotation.push_back(static_cast<float>(value));
     }
+    for (const Joint& joint : set.skeleton->joints) clip.rest_offset.push_back(joint.rest_offset);
     set.clips.push_back(clip);
   }
   NetworkOptions options(what == "st_gcn" ? NetworkKind::kStGcn : NetworkKind::kActor);

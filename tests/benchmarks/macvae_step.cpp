@@ -65,6 +65,7 @@ void AddSample(int index, int frames, Random& random, TrainingSet& set) {
       for (std::size_t k = 0; k < 3; ++k) set.joints.push_back(static_cast<float>(std::sin(speed[k] * seconds / 3.0)));
     }
   }
+  for (const Joint& joint : set.skeleton->joints) clip.rest_offset.push_back(joint.rest_offset);
   set.clips.push_back(std::move(clip));
 }
 
@@ -81,7 +82,6 @@ int main(int argc, char** argv) {
   Random random(0, "benchmark");
   TrainingSet set;
   set.skeleton = MadeSkeleton(random);
-  for (const Joint& joint : set.skeleton->joints) set.rest_offset.push_back(joint.rest_offset);
   for (int c = 0; c < kLabels; ++c) set.labels.push_back("label" + std::to_string(c));
   set.words = set.labels;
   set.words.emplace_back("transition");

@@ -173,6 +173,7 @@ TEST(Ssmct, AnswerIsTheFilledTransition) {
     requests.next_place = PlacesOfFrames(next);
     return requests;
   };
+  network->eval();
   const torch::NoGradGuard no_gradient;
   Draws draws(std::vector<std::uint64_t>{1, 2});
   const Motions motions = network->Answer(request(0), draws);

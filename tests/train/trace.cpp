@@ -118,6 +118,7 @@ Expected<TraceValues> TraceAnswer(const TracedNetwork& traced, const std::vector
                                   const std::vector<float>& bone_length, const TraceValues& given) {
   const auto network = BuildTraced(traced);
   if (!network) return Forward(network);
+  (*network)->eval();
   const torch::NoGradGuard no_gradient;
   RequestBatch requests;
   requests.label = LabelsOf(label);

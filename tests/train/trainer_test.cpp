@@ -196,6 +196,69 @@ TEST_F(Trainer, ARecogniserLearnsMotionsThatDiffer) {
   EXPECT_EQ(checkpoint->facts.at("rate"), "30");
 }
 
+TEST_F(Trainer, AReleasedRecogniserHoldsNothingOutAndKeepsItsLastEpoch) {
+  for (const NetworkKind kind : {NetworkKind::kGruRecogniser, NetworkKind::kStGcn}) {
+    NetworkOptions options = Small(kind);
+    options.recogniser.released = true;
+    const Expected<Checkpoint> checkpoint = TrainNetwork(Toy(kind), options, {});
+    ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
+    EXPECT_EQ(checkpoint->facts.at("clips"), Toy(kind).splits.front().train.size());
+    EXPECT_EQ(checkpoint->facts.at("best_epoch"), options.recogniser.epochs);
+    EXPECT_EQ(checkpoint->history.count("validation_accuracy"), 0U);
+    NetworkOptions selecting = options;
+    selecting.recogniser.released = selecting.recogniser.refit = false;
+    EXPECT_LT(TrainNetwork(Toy(kind), selecting, {})->facts.at("clips"), checkpoint->facts.at("clips"));
+  }
+}
+
+TEST_F(Trainer, BodiesAndPosesOfTestClipsAreNotKept) {
+  for (const NetworkKind kind : {NetworkKind::kCondGru, NetworkKind::kActor}) {
+    const NetworkOptions options = Small(kind);
+    const TrainingSet& set = Toy(kind);
+    TrainingSet other = set;  // test clips of giants
+    for (const int row : set.splits.front().test) {
+      TrainingSet::Clip& clip = other.clips[static_cast<std::size_t>(row)];
+      const std::size_t width = 3 * static_cast<std::size_t>(set.skeleton->joint_count());
+      for (std::size_t i = 0; i < width * static_cast<std::size_t>(clip.frames); ++i) {
+        other.joints[clip.first * width + i] *= 3.0F;
+      }
+      for (Vector3d& offset : clip.rest_offset) offset *= 3.0;
+    }
+    EXPECT_TRUE(BytesOf(TrainNetwork(set, options, {})) == BytesOf(TrainNetwork(other, options, {})));
+  }
+}
+
+TEST_F(Trainer, AGradientPenaltyTakesThePlaceOfClippedWeights) {
+  NetworkOptions options = Small(NetworkKind::kTwoStageGan);
+  options.two_stage_gan.gradient_penalty = 10.0;
+  options.learning.iterations = 40;
+  const Expected<Checkpoint> checkpoint = TrainNetwork(Toy(), options, {});
+  ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
+  double largest = 0.0;
+  for (const Parameter& parameter : checkpoint->parameters) {
+    if (parameter.name.rfind("motion_critic", 0) != 0) continue;
+    for (const float value : parameter.value) largest = std::max(largest, std::abs(static_cast<double>(value)));
+  }
+  EXPECT_GT(largest, options.two_stage_gan.weight_clip);
+  EXPECT_GT(checkpoint->history.at("penalty").back(), 0.0);
+  TrainingControl threads;
+  threads.threads = 2;
+  EXPECT_TRUE(BytesOf(checkpoint) == BytesOf(TrainNetwork(Toy(), options, threads)));
+}
+
+TEST_F(Trainer, AMotionBatchIsJudgedByTheMotionDiscriminatorAlone) {
+  NetworkOptions options = Small(NetworkKind::kActMoCoGan);
+  options.act_mocogan.motion_batch = 3;  // of eight in two shards
+  const Expected<Checkpoint> checkpoint = TrainNetwork(Toy(), options, {});
+  ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
+  // Of log 2 + log 2 at the start, whatever the number of motions.
+  EXPECT_NEAR(checkpoint->history.at("motion_discriminator").front(), 1.39, 0.3);
+  options.act_mocogan.motion_batch = 8;
+  NetworkOptions all = options;
+  all.act_mocogan.motion_batch = 0;
+  EXPECT_EQ(TrainNetwork(Toy(), options, {})->history, TrainNetwork(Toy(), all, {})->history);
+}
+
 TEST_F(Trainer, AVaeLearnsToReconstruct) {
   for (const bool lie : {true, false}) {
     NetworkOptions options = Small(NetworkKind::kAction2Motion);

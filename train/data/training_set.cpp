@@ -19,19 +19,6 @@ void AppendRotations(const Motion& motion, TrainingSet& set) {
   }
 }
 
-/// Median of each number of the rest offsets over the clips.
-std::vector<Vector3d> MedianOffsets(const std::vector<SkeletonPtr>& skeletons, std::size_t joints) {
-  std::vector<Vector3d> offsets(joints, Vector3d::Zero());
-  for (std::size_t j = 1; j < joints && !skeletons.empty(); ++j) {
-    for (int k = 0; k < 3; ++k) {
-      std::vector<double> values;
-      for (const SkeletonPtr& skeleton : skeletons) values.push_back(skeleton->joints[j].rest_offset[k]);
-      offsets[j][k] = Median(std::move(values));
-    }
-  }
-  return offsets;
-}
-
 /// Index of a word, which is appended where it is new.
 int WordOf(const std::string& word, std::vector<std::string>& words) {
   const auto found = std::find(words.begin(), words.end(), word);
@@ -110,24 +97,23 @@ class Packing {
     if (!motion) return Forward(motion);
     packed.first = set_.joints.size() / (3 * set_.skeleton->joints.size());
     packed.frames = motion->joints.frames;
+    if (needs_.rotations) {
+      for (const Joint& joint : motion->skeleton->joints) packed.rest_offset.push_back(joint.rest_offset);
+    }
     set_.joints.insert(set_.joints.end(), motion->joints.xyz.begin(), motion->joints.xyz.end());
     set_.clips.push_back(std::move(packed));
-    if (!needs_.rotations) return {};
-    AppendRotations(*motion, set_);
-    skeletons_.push_back(motion->skeleton);
+    if (needs_.rotations) AppendRotations(*motion, set_);
     return {};
   }
 
   void Finish() {
     SortWords(set_);
     if (set_.inferred.skipped > 0) RenumberRows(new_row_, set_.splits);
-    if (needs_.rotations) set_.rest_offset = MedianOffsets(skeletons_, set_.skeleton->joints.size());
   }
 
  private:
   const TrainingSetNeeds& needs_;
   TrainingSet& set_;
-  std::vector<SkeletonPtr> skeletons_;
   std::vector<int> new_row_;  ///< of each clip of the dataset
 };
 
@@ -162,13 +148,29 @@ JointPositions TrainingSet::Joints(std::size_t clip) const {
   return positions;
 }
 
-std::vector<double> MedianBoneLengths(const TrainingSet& set) {
+std::vector<Vector3d> MedianRestOffsets(const TrainingSet& set, const std::vector<int>& rows) {
+  std::vector<Vector3d> offsets(static_cast<std::size_t>(set.skeleton->joint_count()), Vector3d::Zero());
+  for (std::size_t j = 1; j < offsets.size(); ++j) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> values;
+      for (const int row : rows) {
+        const TrainingSet::Clip& clip = set.clips[static_cast<std::size_t>(row)];
+        if (!clip.rest_offset.empty()) values.push_back(clip.rest_offset[j][k]);
+      }
+      if (!values.empty()) offsets[j][k] = Median(std::move(values));
+    }
+  }
+  return offsets;
+}
+
+std::vector<double> MedianBoneLengths(const TrainingSet& set, const std::vector<int>& rows) {
   const std::vector<int> parents = set.skeleton->lie ? set.skeleton->LieParents() : std::vector<int>();
   std::vector<double> lengths(static_cast<std::size_t>(set.skeleton->joint_count()), 0.0);
   for (std::size_t j = 1; j < lengths.size(); ++j) {
     const int parent = parents.empty() ? set.skeleton->joints[j].parent : parents[j];
     std::vector<double> values;
-    for (const TrainingSet::Clip& clip : set.clips) {
+    for (const int row : rows) {
+      const TrainingSet::Clip& clip = set.clips[static_cast<std::size_t>(row)];
       if (clip.frames == 0) continue;
       const float* frame = set.joints.data() + clip.first * 3 * lengths.size();
       const float *a = frame + 3 * j, *b = frame + 3 * static_cast<std::size_t>(parent);
@@ -180,10 +182,11 @@ std::vector<double> MedianBoneLengths(const TrainingSet& set) {
   return lengths;
 }
 
-std::vector<std::vector<double>> FirstPoses(const TrainingSet& set) {
+std::vector<std::vector<double>> FirstPoses(const TrainingSet& set, const std::vector<int>& rows) {
   std::vector<std::vector<double>> poses(set.labels.size());
   const std::size_t width = 3 * static_cast<std::size_t>(set.skeleton->joint_count());
-  for (const TrainingSet::Clip& clip : set.clips) {
+  for (const int row : rows) {
+    const TrainingSet::Clip& clip = set.clips[static_cast<std::size_t>(row)];
     if (clip.frames == 0 || clip.label < 0 || !poses[static_cast<std::size_t>(clip.label)].empty()) continue;
     const float* frame = set.joints.data() + clip.first * width;
     std::vector<double>& pose = poses[static_cast<std::size_t>(clip.label)];

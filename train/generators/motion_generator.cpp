@@ -189,6 +189,7 @@ Expected<std::unique_ptr<MotionGenerator>> MotionGenerator::Load(const std::file
   sizes.words = static_cast<std::int64_t>(checkpoint->facts.value("words", std::vector<std::string>()).size());
   impl->network = MakeNetwork(*options, sizes);
   if (Status fits = SetValues(checkpoint->parameters, where, *impl->network); !fits) return Forward(fits);
+  impl->network->eval();  // once: threads share the network
   impl->options = std::move(*options);
   impl->skeleton = checkpoint->skeleton;
   impl->labels = checkpoint->labels;

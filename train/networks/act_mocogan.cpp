@@ -1,5 +1,7 @@
 #include "train/networks/act_mocogan.h"
 
+#include <algorithm>
+
 #include "train/layers/gru_layer.h"
 #include "train/layers/lie_function.h"
 
@@ -112,12 +114,21 @@ Tensor ActMoCoGan::Poses(const Tensor& joints, Draws& draws, const std::string& 
 
 // (B,1 + C)
 Tensor ActMoCoGan::Judge(const Tensor& joints, Draws& draws, const std::string& purpose) {
+  if (joints.size(1) == 0)
+    return torch::zeros({0, 1 + classes_}, joints.options()).requires_grad_();  // another shard's
   const Tensor hidden = draws.Normal(purpose, kDiscriminatorLayers, joints.size(1), options_.hidden);
   return motion_discriminator_->forward(joints, hidden.to(joints.device())).logits;
 }
 
+// Motions that the motion discriminator judges: the first of the whole batch.
+std::int64_t ActMoCoGan::Judged(const Batch& batch) const {
+  if (options_.motion_batch == 0) return batch.size();
+  return std::clamp<std::int64_t>(options_.motion_batch - batch.first, 0, batch.size());
+}
+
 Losses ActMoCoGan::Loss(const Batch& batch, Draws& draws, int phase) {
-  const std::int64_t whole = batch.whole;
+  const std::int64_t whole = batch.whole, judged = Judged(batch);
+  const std::int64_t whole_judged = options_.motion_batch == 0 ? whole : std::min(whole, options_.motion_batch);
   const Tensor label = draws.Classes("label", batch.size(), classes_).to(batch.label.device());
   const Tensor bones = options_.lie ? LieBoneLengths(kinematics_, batch.motion[0]) : Tensor();  // (B,J)
   Losses losses;
@@ -134,16 +145,18 @@ Losses ActMoCoGan::Loss(const Batch& batch, Draws& draws, int phase) {
     return losses;
   }
   if (phase == kMotionDiscriminator) {
-    const Tensor real = Judge(batch.motion, draws, "real_hidden"), fake = Judge(made, draws, "fake_hidden");
-    const Tensor adversarial = GanLoss(real.select(1, 0), 1.0, whole) + GanLoss(fake.select(1, 0), 0.0, whole);
-    const Tensor category = ClassLoss(real.slice(1, 1), batch.label, whole);
+    const Tensor real = Judge(batch.motion.slice(1, 0, judged), draws, "real_hidden");
+    const Tensor fake = Judge(made.slice(1, 0, judged), draws, "fake_hidden");
+    const Tensor adversarial =
+        GanLoss(real.select(1, 0), 1.0, whole_judged) + GanLoss(fake.select(1, 0), 0.0, whole_judged);
+    const Tensor category = ClassLoss(real.slice(1, 1), batch.label.slice(0, 0, judged), whole_judged);
     losses.total = adversarial + category;
     losses.terms = {{"motion_discriminator", adversarial}, {"real_class", category}};
     return losses;
   }
-  const Tensor judged = Judge(made, draws, "fake_hidden");
-  const Tensor adversarial = GanLoss(judged.select(1, 0), 1.0, whole);
-  const Tensor category = ClassLoss(judged.slice(1, 1), label, whole);
+  const Tensor logits = Judge(made.slice(1, 0, judged), draws, "fake_hidden");
+  const Tensor adversarial = GanLoss(logits.select(1, 0), 1.0, whole_judged);
+  const Tensor category = ClassLoss(logits.slice(1, 1), label.slice(0, 0, judged), whole_judged);
   losses.total = adversarial + options_.category_weight * category;
   losses.terms = {{"generator", adversarial}, {"class", category}};
   if (options_.smoothness_weight > 0.0) {

@@ -16,7 +16,9 @@ namespace mocurate {
 ///   pose discriminator    root-centred pose D - Linear(D,H) - LeakyReLU(0.2) - Linear(H,1)
 ///
 /// Phases: pose discriminator, motion discriminator, generator. Which switches the paper used is not recorded; here
-/// the three phases of a step read the same real clips.
+/// the three phases of a step read the same real clips. With `motion_batch` the motion discriminator judges only the
+/// first of them, the pose discriminator a frame of each: the released defaults are batches of 3 motions of 20 frames
+/// and of 30 poses (motion_batch: 3, batch: 30, frames: 20).
 class ActMoCoGan : public Network {
  public:
   ActMoCoGan(const ActMoCoGanOptions& options, const LearningOptions& learning, const NetworkSizes& sizes);
@@ -51,6 +53,7 @@ class ActMoCoGan : public Network {
   torch::Tensor Joints(const torch::Tensor& output, const torch::Tensor& bone_length) const;  // (T,B,D)
   torch::Tensor Poses(const torch::Tensor& joints, Draws& draws, const std::string& purpose) const;
   torch::Tensor Judge(const torch::Tensor& joints, Draws& draws, const std::string& purpose);
+  std::int64_t Judged(const Batch& batch) const;
 
   ActMoCoGanOptions options_;
   std::int64_t classes_, pose_;

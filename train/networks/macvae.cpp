@@ -176,7 +176,6 @@ Losses Macvae::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
 }
 
 Motions Macvae::Answer(const RequestBatch& requests, Draws& draws) {
-  eval();
   Dropout none;
   const Tensor& parts = requests.parts;
   const std::int64_t B = parts.size(0);

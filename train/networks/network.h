@@ -33,6 +33,7 @@ struct Batch {
   torch::Tensor motion;         ///< (T,B,D) float32 joints, metres, first root at the origin
   torch::Tensor label;          ///< (B) int64
   std::int64_t whole = 0;       ///< motions of the whole batch: means divide by it, so that gradients of shards add up
+  std::int64_t first = 0;       ///< place of a shard's first motion in the whole batch
   torch::Tensor rotation = {};  ///< (T,B,J,3,3) parent_from_joint; undefined where the network does not need it
   torch::Tensor valid = {};     ///< (T,B) bool: frames that are no padding; undefined: all
   std::int64_t whole_frames = 0;  ///< valid frames of the whole batch

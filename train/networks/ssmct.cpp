@@ -123,7 +123,6 @@ Losses Ssmct::Loss(const Batch& batch, Draws& draws, int /*phase*/) {
 }
 
 Motions Ssmct::Answer(const RequestBatch& requests, Draws& /*draws*/) {
-  eval();
   Dropout none;
   const std::int64_t B = requests.parts.size(0), P = requests.previous_rotation.size(0);
   const Tensor transition = requests.parts.select(1, 1);  // (B)

@@ -67,11 +67,33 @@ Tensor TwoStageGan::JudgePoses(const Tensor& poses, const Tensor& one_hot) {
   return pose_critic_->forward(torch::cat({poses, one_hot}, 1)).flatten();  // (B)
 }
 
-Tensor TwoStageGan::JudgeMotion(const Tensor& motion, const Tensor& one_hot) {
+// `twice`: its gradient is differentiated again, which only plain tensor operations allow.
+Tensor TwoStageGan::JudgeMotion(const Tensor& motion, const Tensor& one_hot, bool twice) {
   const Tensor category = one_hot.unsqueeze(0).expand({motion.size(0), -1, -1});
   const Tensor zero = torch::zeros({motion.size(1), options_.motion_hidden}, motion.options());
-  const Tensor states = GruLayer(torch::cat({motion, category}, 2), zero, GruWeights(judge_motion_, 0));
+  const Tensor input = torch::cat({motion, category}, 2);
+  const GruWeights weights(judge_motion_, 0);
+  const Tensor states = twice ? PlainGruLayer(input, zero, weights) : GruLayer(input, zero, weights);
   return judge_->forward(states[motion.size(0) - 1]).flatten();  // (B)
+}
+
+// Of poses (B,D), or of motions (T,B,D): the sum over B.
+Tensor TwoStageGan::Penalty(const Tensor& real, const Tensor& made, const Tensor& one_hot, Draws& draws) {
+  const bool poses = real.dim() == 2;
+  const Tensor share = draws.Uniform("between", 1, one_hot.size(0), 1)[0].to(real.device());  // (B,1)
+  const Tensor between = (made.detach() + share * (real - made.detach())).requires_grad_();
+  const Tensor judged = poses ? JudgePoses(between, one_hot) : JudgeMotion(between, one_hot, true);
+  const Tensor gradient = torch::autograd::grad({judged.sum()}, {between}, {}, true, true)[0];
+  const Tensor squares = gradient.square().sum(-1);  // (B) or (T,B)
+  return ((poses ? squares : squares.sum(0)) + 1e-12).sqrt().sub(1.0).square().sum();
+}
+
+void TwoStageGan::AddPenalty(const Tensor& real, const Tensor& made, const Tensor& one_hot, Draws& draws, double whole,
+                             Losses& losses) {
+  if (options_.gradient_penalty == 0.0) return;
+  const Tensor penalty = options_.gradient_penalty * Penalty(real, made, one_hot, draws) / whole;
+  losses.total = losses.total + penalty;
+  losses.terms.emplace_back("penalty", penalty);
 }
 
 Losses TwoStageGan::PoseLoss(const Batch& batch, Draws& draws, const Tensor& made_of, int phase) {
@@ -90,13 +112,17 @@ Losses TwoStageGan::PoseLoss(const Batch& batch, Draws& draws, const Tensor& mad
   losses.total =
       (JudgePoses(made.detach(), made_of).sum() - JudgePoses(real, OneHot(batch.label, classes_)).sum()) / whole;
   losses.terms = {{"pose_critic", losses.total}};
+  AddPenalty(real, made, made_of, draws, whole, losses);
   return losses;
 }
 
 Losses TwoStageGan::Loss(const Batch& batch, Draws& draws, int phase) {
   const std::int64_t B = batch.size(), T = batch.frames();
   const double whole = static_cast<double>(batch.whole);
-  const Tensor made_of = OneHot(draws.Classes("label", B, classes_).to(batch.label.device()), classes_);
+  // A penalty is at points between motions of one class.
+  const bool of_real = options_.gradient_penalty > 0.0 && (phase == kPoseCritic || phase == kMotionCritic);
+  const Tensor drawn = draws.Classes("label", B, classes_).to(batch.label.device());
+  const Tensor made_of = OneHot(of_real ? batch.label : drawn, classes_);
   if (phase == kPoseCritic || phase == kPoseGenerator) return PoseLoss(batch, draws, made_of, phase);
   const Tensor z_0 = draws.Uniform("z_0", 1, B, options_.latent)[0].to(made_of.device());
   const Tensor noise = draws.Normal("noise", T - 1, B, options_.latent).to(made_of.device());
@@ -114,10 +140,12 @@ Losses TwoStageGan::Loss(const Batch& batch, Draws& draws, int phase) {
   const Tensor real = JudgeMotion(batch.motion, OneHot(batch.label, classes_));
   losses.total = (JudgeMotion(made, made_of).sum() - real.sum()) / whole;
   losses.terms = {{"motion_critic", losses.total}};
+  AddPenalty(batch.motion, made, made_of, draws, whole, losses);
   return losses;
 }
 
 void TwoStageGan::AfterStep(int phase) {
+  if (options_.gradient_penalty > 0.0) return;
   if (phase != kPoseCritic && phase != kMotionCritic) return;
   const torch::NoGradGuard no_gradient;
   const std::vector<OptimiserGroup> groups = Groups();

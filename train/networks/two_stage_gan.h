@@ -13,8 +13,10 @@ namespace mocurate {
 ///                     sigmoid Linear(H,Z): the latents of the T - 1 frames after z_0, not accumulated
 ///   motion critic     [pose | one-hot] - GRU(D + C,H) - Linear(H,1) of the last state
 ///
-/// Wasserstein losses, critics' weights clipped, RMSProp. The first share of the steps trains poses, the rest motions
-/// with the pose generator as it is. Phases: pose critic, pose generator, motion critic, motion generator.
+/// Wasserstein losses, RMSProp; critics' weights clipped, or with `gradient_penalty` w the term w (|gradient| - 1)^2 at
+/// a random point between a real and a made input of one class. [Gulrajani et al. 2017, equation 3] The first share of
+/// the steps trains poses, the rest motions with the pose generator as it is. Phases: pose critic, pose generator,
+/// motion critic, motion generator.
 class TwoStageGan : public Network {
  public:
   TwoStageGan(const TwoStageGanOptions& options, const LearningOptions& learning, const NetworkSizes& sizes);
@@ -31,8 +33,12 @@ class TwoStageGan : public Network {
   enum Phase { kPoseCritic, kPoseGenerator, kMotionCritic, kMotionGenerator };
 
   torch::Tensor Motion(const torch::Tensor& z_0, const torch::Tensor& noise, const torch::Tensor& one_hot);
+  torch::Tensor Penalty(const torch::Tensor& real, const torch::Tensor& made, const torch::Tensor& one_hot,
+                        Draws& draws);
+  void AddPenalty(const torch::Tensor& real, const torch::Tensor& made, const torch::Tensor& one_hot, Draws& draws,
+                  double whole, Losses& losses);
   torch::Tensor JudgePoses(const torch::Tensor& poses, const torch::Tensor& one_hot);
-  torch::Tensor JudgeMotion(const torch::Tensor& motion, const torch::Tensor& one_hot);
+  torch::Tensor JudgeMotion(const torch::Tensor& motion, const torch::Tensor& one_hot, bool twice = false);
   Losses PoseLoss(const Batch& batch, Draws& draws, const torch::Tensor& made_of, int phase);
 
   TwoStageGanOptions options_;

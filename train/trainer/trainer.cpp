@@ -87,7 +87,7 @@ class Training {
     constexpr int kParts = 2, kMeasured = 5;  // 5: the critic's steps to one of the generator (Gulrajani et al. 2017)
     StartRound(0);
     TrainingCost cost;
-    cost.steps = until_ * (recognises_ && options_.recogniser.refit ? 2 : 1);
+    cost.steps = until_ * (recognises_ && options_.recogniser.refits() ? 2 : 1);
     for (const Tensor& parameter : network_->parameters()) cost.parameters += parameter.numel();
     double seconds = 0.0;
     for (int part = 0; part < kParts; ++part) {
@@ -108,8 +108,8 @@ class Training {
     if (Status there = CheckDevice(options_.learning.device); !there) return there;
     KeepFreedMemory();
     torch::set_num_threads(1);  // one thread per shard; the result must not depend on a thread count
-    auto rows =
-        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
+    auto rows = SelectTrainingRows(set_, options_.data, recognises_ && options_.recogniser.selects(), options_.seed(),
+                                   options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
     return {};
@@ -257,7 +257,9 @@ class Training {
       rows_.train.insert(rows_.train.end(), rows_.validation.begin(), rows_.validation.end());
       std::sort(rows_.train.begin(), rows_.train.end());
     }
-    NetworkSizes sizes = SizesOf(*set_.skeleton, set_.labels.size(), set_.rest_offset);
+    const std::vector<Vector3d> offsets =
+        options_.NeedsRotations() ? MedianRestOffsets(set_, rows_.train) : std::vector<Vector3d>();
+    NetworkSizes sizes = SizesOf(*set_.skeleton, set_.labels.size(), offsets);
     sizes.words = static_cast<std::int64_t>(set_.words.size());
     sizes.skin = control_.skin;
     network_ = MakeNetwork(options_, sizes);
@@ -330,6 +332,7 @@ class Training {
       shard.motion = part(batch.motion);
       shard.label = batch.label.slice(0, begin, end);
       shard.whole = batch.whole;
+      shard.first = begin;
       shard.rotation = part(batch.rotation);
       shard.valid = part(batch.valid);
       shard.whole_frames = batch.whole_frames;
@@ -367,7 +370,8 @@ class Training {
         total += losses[s].total.item<double>();
         for (const auto& [name, value] : losses[s].terms) terms[name] += value.item<double>();
         for (std::size_t i = 0; i < sum.size(); ++i) {
-          if (sum[i].defined()) sum[i] = sum[i] + gradients[s][i];
+          const Tensor& more = gradients[s][i];
+          if (more.defined()) sum[i] = sum[i].defined() ? sum[i] + more : more;
         }
       }
       if (!std::isfinite(total)) return Diverged(batch, "the loss is " + RoundedText(total, 4));
@@ -382,7 +386,7 @@ class Training {
     ++round_step_;
     ++state_.step;
     Record(terms);
-    if (recognises_ && round_ == 0) Check();
+    if (recognises_ && round_ == 0 && options_.recogniser.selects()) Check();
     Progress(terms);
     return {};
   }
@@ -451,7 +455,7 @@ class Training {
     }
     for (const auto& [name, value] : terms) text += ", " + name + " " + RoundedText(value, 3);
     text += ", " + RoundedText(ResidentMegabytes(), 3) + " MB";
-    const bool rounds = recognises_ && options_.recogniser.refit;
+    const bool rounds = recognises_ && options_.recogniser.refits();
     control_.progress(rounds ? 0.5 * (round_ + share) : share, text);
   }
 
@@ -487,11 +491,15 @@ class Training {
   }
 
   Status EndRound() {
-    if (recognises_ && round_ == 0 && options_.recogniser.refit) {
+    if (recognises_ && round_ == 0 && options_.recogniser.refits()) {
       StartRound(1);
       return TakeFirstWeights();
     }
-    if (recognises_ && round_ == 0) (void)SetValues(state_.best, options_.name, *network_);
+    if (recognises_ && !options_.recogniser.selects()) {
+      best_epoch_ = options_.recogniser.epochs;
+    } else if (recognises_ && round_ == 0) {
+      (void)SetValues(state_.best, options_.name, *network_);
+    }
     ended_ = true;
     return {};
   }
@@ -508,11 +516,11 @@ class Training {
         {"round", round_},
         {"round_step", round_step_}};
     if (!recognises_) {
-      state_.facts["bone_length"] = MedianBoneLengths(set_);
+      state_.facts["bone_length"] = MedianBoneLengths(set_, rows_.train);
       if (options_.NeedsRotations()) StoreRestPose();
       if (options_.NeedsParts()) state_.facts["words"] = set_.words;
       if (options_.NeedsParts() || options_.data.part != ClipPart::kWhole) StoreUsualLengths();
-      if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_);
+      if (options_.kind == NetworkKind::kCondGru) state_.facts["first_pose"] = FirstPoses(set_, rows_.train);
       return;
     }
     state_.facts["validation_rule"] = rows_.validation_rule;
@@ -546,7 +554,7 @@ class Training {
   void StoreRestPose() {
     state_.facts["rest_offset"] = nlohmann::json::array();
     state_.facts["bone_length"] = nlohmann::json::array();
-    for (const Vector3d& offset : set_.rest_offset) {
+    for (const Vector3d& offset : MedianRestOffsets(set_, rows_.train)) {
       state_.facts["rest_offset"].push_back({offset.x(), offset.y(), offset.z()});
       state_.facts["bone_length"].push_back(offset.norm());
     }
