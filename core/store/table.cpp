@@ -308,7 +308,17 @@ Schema MakeFeatureSchema() {
       .Add("jerk", kF8, {"X"}, "m/s^3", measured, "root mean square third derivative of joint positions")
       .Add("bone_spread", kF8, {"X"}, "m", measured, "standard deviation of bone lengths over time, mean of the bones")
       .Add("limit_violations", kF8, {"X"}, "", measured, "share of rotations beyond the joint limits, -1: no rotations")
-      .Add("frozen_share", kF8, {"X"}, "", measured, "share of frames equal to the one before");
+      .Add("frozen_share", kF8, {"X"}, "", measured, "share of frames equal to the one before")
+      .Add("movement", kF8, {"X"}, "m/s", measured, "mean speed of the joints")
+      .Add("peak_jerk", kF8, {"X"}, "m/s^3", measured, "largest jerk of a joint in any frame, of a transition")
+      .Add("jerk_area", kF8, {"X"}, "m/s^2", measured,
+           "integral over time of the largest jerk of a joint, of a transition")
+      .Add("mbench_slide", kF8, {"X"}, "mm", measured, "horizontal step of the feet in contact, a frame (MBench)")
+      .Add("mbench_float", kF8, {"X"}, "", measured, "share of frames in which a foot moves with the root (MBench)")
+      .Add("mbench_jitter", kF8, {"X"}, "mm", measured, "second difference of the joints, a frame^2 (MBench)")
+      .Add("mbench_dynamic", kF8, {"X"}, "mm", measured, "first difference of the joints, a frame (MBench)")
+      .Add("mbench_penetration", kF8, {"X"}, "mm", measured,
+           "mean depth of feet more than 5 mm below height 0 (MBench)");
   return schema;
 }
 
