@@ -28,6 +28,8 @@ void AddExport(const CommandLine& line) {
     layouts.emplace_back(layout.name);
     layout_help += (layouts.size() > 1 ? "; " : " ") + std::string(layout.name) + ": " + std::string(layout.help);
   }
+  layouts.emplace_back(kExtractorLayout);
+  layout_help += "; extractor: a recogniser's weights, what it reads, and a manifest, for eval --extractor";
   verb_export->add_option("--layout", arguments->layout, layout_help)
       ->check(CLI::IsMember(layouts))
       ->type_name("LAYOUT");
@@ -58,6 +60,7 @@ void AddExport(const CommandLine& line) {
       "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
       "  mocurate export walk.bvh -o walk.npz --as quaternion\n"
       "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows\n"
+      "  mocurate export runs/kard/checkpoints/recogniser_1.h5 --layout extractor -o kard_extractor\n"
       "  mocurate export runs/kard/dataset.h5 -o blender --layout bvh\n"
       "  mocurate export runs/kard/dataset.h5 -o amass --layout amass_babel --split cross_subject\n"
       "  mocurate export runs/demo/checkpoints/Action2Motion_1.h5 -o action2motion.safetensors");
@@ -251,7 +254,8 @@ void AddEval(const CommandLine& line) {
                    "with --protocol own: a run folder; scored with its first recogniser, its dataset "
                    "as real motions");
   eval->add_option("--extractor", arguments->extractor,
-                   "extractor instead of the protocol's: a name of configs/extractors, a YAML file, or a checkpoint");
+                   "extractor instead of the protocol's: a name of configs/extractors, a YAML file, a checkpoint, or a "
+                   "folder of export --layout extractor");
   CLI::Option* dose_response =
       eval->add_option("--dose-response", arguments->damaged_real,
                        "instead of --generated: real motions (as for --real) to damage by known doses; tables and "

@@ -8,6 +8,7 @@
 #include "core/base/resources.h"
 #include "core/base/text.h"
 #include "eval/published/published.h"
+#include "job/extractor_folder.h"
 #include "job/named_configs.h"
 #include "train/checkpoint/checkpoint.h"
 
@@ -29,7 +30,15 @@ Expected<ProtocolOptions> LoadProtocol(const std::string& name, const std::vecto
 
 Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vector<std::string>& assignments,
                                          const ConfigRules& rules) {
-  const fs::path path(name);
+  fs::path path(name);
+  std::string own_name = "own";
+  std::error_code unknown;
+  if (fs::is_directory(path, unknown)) {
+    const auto folder = OpenExtractorFolder(path);
+    if (!folder) return Forward(folder);
+    path = folder->weights;
+    own_name = folder->name;
+  }
   for (const char* ending : {".tar", ".pth", ".pt", ".pkl"}) {
     if (path.extension() != ending) continue;
     return Fail(ErrorCode::kUsage, "a weights file does not declare its input (joints, frames, axes)",
@@ -43,9 +52,11 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
     return OptionsFromConfig<ExtractorOptions>(*node);
   }
   for (const std::string& assignment : assignments) {
-    if (assignment.rfind("yaw=", 0) == 0) continue;
+    const std::string key = assignment.substr(0, assignment.find('='));
+    if (key == "yaw" || key == "real_root" || key == "generated_root") continue;
     return Fail(ErrorCode::kUsage, "the option would contradict the checkpoint, which declares its own input",
-                "--set extractor." + assignment, "remove the option; only extractor.yaw can be set");
+                "--set extractor." + assignment,
+                "remove the option; extractor.yaw, real_root and generated_root can be set");
   }
   const Expected<ConfigNode> turned = LoadConfig(ConfigSource{"", "extractor", {}}, assignments);
   if (!turned) return Forward(turned);
@@ -60,7 +71,7 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
                 DisplayPath(path), "use a recogniser: checkpoints/recogniser_*.h5 of a run");
   }
   ExtractorOptions options;
-  options.name = "own";
+  options.name = own_name;
   options.yaw_rad = given->yaw_rad;
   if (graph) {
     options.network = ExtractorNetwork::kStGcn;
@@ -74,7 +85,8 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   options.frames = trained.value("frames", options.frames);
   options.length =
       trained.value("input", "crop") == std::string("resample") ? LengthRule::kResample : LengthRule::kCrop;
-  options.real_root = options.generated_root = RootRule::kFirstFrame;
+  options.real_root = given->real_root;
+  options.generated_root = given->generated_root;
   return options;
 }
 

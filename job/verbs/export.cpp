@@ -18,6 +18,7 @@
 #include "core/store/dataset_clips.h"
 #include "ingest/checks/finding_table.h"
 #include "ingest/read_motions.h"
+#include "job/extractor_folder.h"
 #include "job/motion_files.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
@@ -39,6 +40,27 @@ Status ExportNetwork(CommonArguments& common, const ExportArguments& arguments) 
                              {"tensors", checkpoint->parameters.size()}})) {
     Print("%s of %s in %s\n", Counted(static_cast<long long>(checkpoint->parameters.size()), "tensor").c_str(),
           checkpoint->kind.c_str(), DisplayPath(arguments.output).c_str());
+  }
+  return {};
+}
+
+/// A recogniser for others to score with.
+Status ExportExtractor(CommonArguments& common, const ExportArguments& arguments) {
+  const std::vector<fs::path> files = {arguments.output / "weights.safetensors", arguments.output / "extractor.yaml",
+                                       arguments.output / "manifest.json"};
+  if (Status free = CheckOutputs(files, {arguments.path}, arguments.force); !free) return free;
+  for (const fs::path& file : files) {
+    if (Status plain = CheckNotLink(file); !plain) return plain;
+  }
+  const Expected<Checkpoint> checkpoint = ReadCheckpoint(arguments.path);
+  if (!checkpoint) return Forward(checkpoint);
+  const std::string name = arguments.output.filename().string();
+  if (Status written = WriteExtractorFolder(*checkpoint, name, arguments.output); !written) return written;
+  if (AnswersInText(
+          common,
+          {{"path", DisplayPath(arguments.output)}, {"network", checkpoint->kind}, {"labels", checkpoint->labels}})) {
+    Print("extractor of %s in %s\n", Counted(static_cast<long long>(checkpoint->labels.size()), "label").c_str(),
+          DisplayPath(arguments.output).c_str());
   }
   return {};
 }
@@ -387,6 +409,7 @@ void PrintExported(CommonArguments& common, const ExportArguments& arguments, co
 }  // namespace
 
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments) {
+  if (arguments.layout == kExtractorLayout) return ExportExtractor(common, arguments);
   if (arguments.output.extension() == ".safetensors") return ExportNetwork(common, arguments);
   if (Status known = CheckTolerated(arguments.tolerate); !known) return known;
   const Layout& layout = LayoutOf(arguments);

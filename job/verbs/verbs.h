@@ -81,11 +81,14 @@ struct RigAuditArguments {
   bool force = false;  ///< overwrite
 };
 
+/// --layout of a recogniser's folder; the others are of clips.
+inline constexpr const char* kExtractorLayout = "extractor";
+
 struct ExportArguments {
   std::filesystem::path path;         ///< a file or folder of motions
   std::filesystem::path output;       ///< a folder, or a file of the layout's ending
   std::string source;                 ///< source declaration; empty: declared by the files
-  std::string layout;                 ///< a name of Layouts(); empty: by the ending of the output
+  std::string layout;                 ///< a name of Layouts(), or kExtractorLayout; empty: by the ending of the output
   std::string rotations;              ///< a name of kRotationArraysNames; empty: the layout's own
   std::string split;                  ///< split to write; empty: all, or the first where a layout has only one
   std::vector<std::string> clips;     ///< selected clips; empty: all

@@ -89,6 +89,43 @@ void ExpectDescriptions(const ScratchFolder& folder) {
   EXPECT_EQ(RunProgram(folder, {"inspect", (folder / "r").string(), "--json"}).Json()["state"], "ended");
 }
 
+/// A recogniser's folder scores as its checkpoint does, and is refused where a file is not the manifest's.
+void ExpectAnExtractorForOthers(const ScratchFolder& folder) {
+  const std::string network = (folder / "r/checkpoints/recogniser_1.h5").string();
+  const fs::path shared = folder / "shared";
+  const auto score = [&](const std::string& extractor) {
+    const std::string set = (folder / "r/dataset.h5").string();
+    return RunProgram(folder, {"eval", "--protocol", "own", "--extractor", extractor, "--generated", "a=" + set,
+                               "--real", set, "--json"});
+  };
+  const Result made = RunProgram(folder, {"export", network, "--layout", "extractor", "-o", shared.string()});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const Result own = score(network), theirs = score(shared.string());
+  ASSERT_EQ(theirs.exit_code, 0) << theirs.err;
+  EXPECT_EQ(theirs.Json()["rows"], own.Json()["rows"]);
+  EXPECT_EQ(theirs.Json()["extractor"], "shared");
+  const nlohmann::json manifest = nlohmann::json::parse(ReadText(shared / "manifest.json"));
+  EXPECT_EQ(manifest["files"].size(), 2U);
+  EXPECT_EQ(manifest["labels"].size(), 5U);
+  for (const char* file : {"extractor.yaml", "weights.safetensors"}) {
+    const std::string before = ReadText(shared / file);
+    WriteText(shared / file, before + " ");
+    EXPECT_EQ(score(shared.string()).exit_code, 3) << "changed " << file;
+    fs::remove(shared / file);
+    EXPECT_EQ(score(shared.string()).exit_code, 3) << "without " << file;
+    WriteText(shared / file, before);
+  }
+  nlohmann::json other = manifest;
+  other["files"]["weights.safetensors"].erase("sha256");
+  WriteText(shared / "manifest.json", other.dump());
+  EXPECT_EQ(score(shared.string()).exit_code, 3);
+  const std::string generator = (folder / "r/checkpoints/Action2Motion_1.h5").string();
+  EXPECT_EQ(
+      RunProgram(folder, {"export", generator, "--layout", "extractor", "-o", (folder / "no").string()}).exit_code, 2);
+  EXPECT_EQ(RunProgram(folder, {"export", network, "--layout", "extractor", "-o", shared.string()}).exit_code, 2)
+      << "it is not empty";
+}
+
 TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
   const ScratchFolder folder;
   ASSERT_EQ(RunProgram(folder, TinyTraining(folder)).exit_code, 0);
@@ -137,6 +174,7 @@ TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {
                        {"export", (folder / "made.h5").string(), "-o", (folder / "arrays").string(), "--as", "joints"})
                 .exit_code,
             0);
+  ExpectAnExtractorForOthers(folder);
 }
 
 TEST(WrongCheckpoint, IsRefusedNamingBothKindsAndTheFile) {
