@@ -26,6 +26,11 @@ void DeclareCrop(CropDraw& crop, OptionVisitor& v) {
            "released) or with it");
 }
 
+void DeclareMeasures(MeasureSet& measures, OptionVisitor& v) {
+  v.Choice("measures", measures, {{"own", MeasureSet::kOwn}, {"mbench", MeasureSet::kMBench}},
+           "measures of single motions: own; mbench: MBench's five joint measures as well, per frame of the files");
+}
+
 void DeclareReal(RealPart& real, OptionVisitor& v) {
   v.Choice("real", real, {{"all", RealPart::kAll}, {"train", RealPart::kTrain}, {"test", RealPart::kTest}},
            "clips used as real motions: all (as published), or one part of the split");
@@ -35,10 +40,9 @@ void DeclareInterval(IntervalKind& interval, OptionVisitor& v) {
   v.Choice("interval", interval,
            {{"student", IntervalKind::kStudent},
             {"action2motion", IntervalKind::kAction2Motion},
-            {"actor", IntervalKind::kActor},
-            {"bootstrap", IntervalKind::kBootstrap}},
-           "meaning of +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), 1.96 times the variance "
-           "(ACTOR: not an interval), or resampling");
+            {"actor", IntervalKind::kActor}},
+           "meaning of +-: Student's t (MultiAct), 1.96 sd / sqrt(n) (Action2Motion), or 1.96 times the "
+           "variance (ACTOR: not an interval)");
 }
 
 void DeclarePart(const char* name, ClipPart& part, OptionVisitor& v) {
@@ -144,6 +148,9 @@ void MetricOptions::Declare(OptionVisitor& v) {
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
   v.Choice("divisor", divisor, {{"present", MultimodalityDivisor::kPresent}, {"all", MultimodalityDivisor::kAll}},
            "multimodality where a class has no motions: no value, or divided by all classes (MultiAct)");
+  v.Number(
+      "least_movement", least_movement, Unit::kNone, {0.0, 10.0},
+      "a row whose motions move less than this share of the real ones of their label has the warning hardly_moves");
 }
 
 const DrawOptions& ProtocolOptions::draw() const {
@@ -169,6 +176,7 @@ void ProtocolOptions::Declare(OptionVisitor& v) {
   v.Group("released", released, "draws of the variant released");
   v.Group("from_paper", from_paper, "draws of the variant paper");
   v.Group("metrics", metrics, "sizes of the metrics");
+  DeclareMeasures(measures, v);
   v.TextMap("equivalent", equivalent, "class -> classes accepted for it, separated by ', '; itself included");
   v.Numbers("original_clips", original_clips, Unit::kNone, {0.0, 1e9}, "clips of the paper's own real set");
   v.Bool("original_data", original_data,
@@ -180,6 +188,7 @@ DrawOptions EvaluateOptions::draw() const {
   DrawOptions options;
   options.repetitions = repetitions;
   options.motions = motions;
+  options.replacement = replacement;
   options.labels = labels;
   options.hidden = random_hidden ? HiddenDraw::kNormal : HiddenDraw::kZero;
   options.crop = CropDraw::kReleased;
@@ -205,8 +214,15 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.Integer("seed", seed, {}, "random seed of the evaluation");
   v.Integer("repetitions", repetitions, {1.0, 1000.0}, "number of repetitions of the whole evaluation");
   v.Integer("motions", motions, {0.0, 1e6}, "motions per set and repetition; 0: each once");
+  v.Bool("replacement", replacement, "draw real motions with replacement (Action2Motion), or without (ACTOR)");
+  DeclareRoot("real_root", real_root, "origin of the joints of real motions as the recogniser reads them", v);
+  DeclareRoot("generated_root", generated_root, "the same of generated motions", v);
   v.Text("protocol", protocol,
          "protocol in configs/protocols that sets the equivalent labels and the divisor of multimodality");
+  v.Text(
+      "published_protocol", published_protocol,
+      "protocol in configs/protocols whose published recogniser scores the rows as well, where its weights are below "
+      "MOCURATE_WEIGHTS; empty: none");
   v.List("filters", filters, "additional rows: motions of a network after a 1-euro filter");
   v.List("rows", rows,
          "rows of networks that generate chains of actions (scripts, MultiAct); empty: one row per generator");
@@ -217,6 +233,7 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
             "requested lengths in frames, one row per length; empty: the length that the recogniser reads");
   v.Integer("diversity_pairs", diversity_pairs, {1.0, 1e6}, "pairs for diversity");
   v.Integer("multimodality_quota", multimodality_quota, {1.0, 1e5}, "pairs per class for multimodality");
+  DeclareMeasures(measures, v);
   DeclareLabels(labels, v);
   DeclareReal(real, v);
   v.Bool("test_reference", test_reference,
@@ -263,6 +280,7 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   v.Integer("step", step, {1.0, 1000.0}, "scored step of a script");
   v.Bool("align", align, "rotate and move joined motions");
   DeclareFilter(filter, v);
+  DeclareMeasures(measures, v);
   DeclarePadding(padding, v);
 }
 
@@ -270,16 +288,15 @@ void ScoreOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "name of the row");
   v.Choice("real", real, {{"none", RealRow::kNone}, {"train", RealRow::kTrain}, {"test", RealRow::kTest}},
            "for a row of real motions: the reference part that contains them; none: generated motions");
-  v.Bool("fresh", fresh, "every repetition scores new motions");
   v.Integer("seed", seed, {}, "random seed of the draws");
   v.Group("draw", draw, "draws of the row");
   v.Group("metrics", metrics, "sizes of the metrics");
   v.TextMap("equivalent", equivalent, "class -> classes accepted for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 9, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration ScoreDeclaration() { return {"score", 4, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration CompareDeclaration() { return {"compare", 4, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 10, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration ScoreDeclaration() { return {"score", 5, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration CompareDeclaration() { return {"compare", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 5, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

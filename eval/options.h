@@ -63,7 +63,7 @@ struct ExtractorOptions {
   PaddingRule padding = PaddingRule::kRepeatLast;
   ReadOut read_out = ReadOut::kLastFrame;
   RootRule real_root = RootRule::kFirstFrame;
-  RootRule generated_root = RootRule::kAsGiven;
+  RootRule generated_root = RootRule::kFirstFrame;
   BodyRule body = BodyRule::kOwn;
   double yaw_rad = 0.0;              ///< rotation of scored motions, not of the reference, about the vertical
   std::vector<std::string> classes;  ///< in the order of the network's outputs
@@ -80,6 +80,9 @@ enum class RealPart { kAll, kTrain, kTest };
 /// Initial hidden states of a recurrent extractor: normal as released (F5), or zero, the same each time.
 enum class HiddenDraw { kZero, kNormal };
 
+/// Measures of single motions: ours, or MBench's five joint measures as well, for comparison with its tables.
+enum class MeasureSet { kOwn, kMBench };
+
 /// Where a window of a longer motion starts: at the first frame, or drawn (F15).
 enum class CropDraw { kFirst, kReleased, kAny };
 
@@ -92,7 +95,7 @@ struct DrawOptions {
   LabelDraw labels = LabelDraw::kUniform;
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
-  IntervalKind interval = IntervalKind::kBootstrap;
+  IntervalKind interval = IntervalKind::kStudent;
 
   void Declare(OptionVisitor& v);
 };
@@ -106,6 +109,7 @@ struct MetricOptions {
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
   MultimodalityDivisor divisor = MultimodalityDivisor::kPresent;
+  double least_movement = 0.25;  ///< of a real motion's of the same label: a row below it hardly moves
 
   void Declare(OptionVisitor& v);
 };
@@ -131,6 +135,7 @@ struct ProtocolOptions {
   ClipPart part = ClipPart::kWhole;  ///< scored part of samples of two actions
   DrawOptions given, released, from_paper;
   MetricOptions metrics;
+  MeasureSet measures = MeasureSet::kOwn;
   std::map<std::string, std::string> equivalent;  ///< class -> accepted classes, separated by ", "
   std::vector<double> original_clips;             ///< sizes of the papers' own real set
   bool original_data = false;                     ///< the real motions are the papers' own
@@ -171,6 +176,8 @@ struct EvaluateOptions {
   std::string recogniser;               ///< name of the network for the features; empty: the first recogniser
   bool generators = true;               ///< generators and real motions are rows; else only recognisers are scored
   std::string protocol;  ///< a name below configs/protocols, whose equivalent labels and divisor apply; or empty
+  /// A name below configs/protocols whose extractor scores the rows as well, where its weights are at hand; or empty.
+  std::string published_protocol;
   std::vector<FilterRowOptions> filters;  ///< rows beside those of the networks
   std::vector<ScriptRowOptions> rows;     ///< empty: each generator is one, with requests by label
   ClipPart part = ClipPart::kWhole;       ///< scored part of samples of two actions
@@ -181,9 +188,13 @@ struct EvaluateOptions {
   std::string split;            ///< of the parts; empty: the first one
   std::int64_t repetitions = 20;
   std::int64_t motions = 3000;
-  std::vector<double> durations;  ///< requested frames, a row each; empty: the recogniser's
+  bool replacement = true;                          ///< real motions of a repetition (ACTOR: without)
+  RootRule real_root = RootRule::kFirstFrame;       ///< of real motions as the recogniser reads them
+  RootRule generated_root = RootRule::kFirstFrame;  ///< of generated ones
+  std::vector<double> durations;                    ///< requested frames, a row each; empty: the recogniser's
   std::int64_t diversity_pairs = 200;
   std::int64_t multimodality_quota = 20;
+  MeasureSet measures = MeasureSet::kOwn;
   LabelDraw labels = LabelDraw::kUniform;
   IntervalKind interval = IntervalKind::kStudent;
   bool random_hidden = false;  ///< recogniser starts from normal hidden states, as released (F5)
@@ -219,6 +230,7 @@ struct FeaturesOptions {
   bool align = false;       ///< rotate and move joined motions
   std::int64_t frames = 0;  ///< requested from a generator and read from its motions; 0: the extractor's
   OneEuro filter;           ///< of a generator's motions
+  MeasureSet measures = MeasureSet::kOwn;
   PaddingAction padding = PaddingAction::kNone;  ///< all-zero frames at the end of a dataset's motions
 
   void Declare(OptionVisitor& v);
@@ -231,7 +243,6 @@ enum class RealRow { kNone, kTrain, kTest };
 struct ScoreOptions {
   std::string name;
   RealRow real = RealRow::kNone;  ///< reference that contains them: two halves where nothing is drawn
-  bool fresh = false;             ///< every repetition scores new motions; else repetitions are not independent samples
   std::int64_t seed = 1;
   DrawOptions draw;
   MetricOptions metrics;

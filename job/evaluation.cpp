@@ -44,6 +44,7 @@ class EvaluationRun {
     options.part = part;
     options.split = evaluation_.split;
     options.clip_part = evaluation_.part;
+    options.measures = evaluation_.measures;
     options.hidden = evaluation_.draw.hidden;
     options.crop = evaluation_.draw.crop;
     if (!PassesDiffer() && !generator) return options;  // one pass, from which the stage score draws
@@ -62,7 +63,7 @@ class EvaluationRun {
                std::vector<ItemSpec>& items) {
     FeaturesOptions of_set = options;
     of_set.padding = set.padding;
-    ItemSpec item{"features/" + key, OptionsToJson(of_set), {evaluation_.weights, set.motions}};
+    ItemSpec item{"features/" + evaluation_.branch + key, OptionsToJson(of_set), {evaluation_.weights, set.motions}};
     item.inputs[0].role = "weights";
     item.inputs[1].role = "motions";
     std::error_code unknown;
@@ -152,6 +153,14 @@ class EvaluationRun {
   void WarnOfMotions(const std::string& row, const nlohmann::json& summary) {
     const auto count = [&](const char* key) { return summary.value(key, 0LL); };
     const std::string frames = Counted(count("frames"), "frame");
+    if (count("labels_by_index") > 0) {
+      const auto& classes = summary.at("classes");
+      Warn(row, "labels_by_index",
+           Counted(count("labels_by_index"), "label") +
+               " are numbers, read as positions among the extractor's classes: 0 is " +
+               classes.front().get<std::string>() + ", " + std::to_string(classes.size() - 1) + " is " +
+               classes.back().get<std::string>() + "; if they count the classes of another list, give names");
+    }
     if (count("with_inferred") > 0) {
       const std::string skipped = count("all_inferred") > 0
                                       ? "; " + Counted(count("all_inferred"), "motion") + " without any are not scored"
@@ -207,7 +216,6 @@ class EvaluationRun {
     ScoreOptions options;
     options.name = name;
     options.real = name == kReal ? RealRow::kTrain : name == kRealTest ? RealRow::kTest : RealRow::kNone;
-    options.fresh = HasGenerator(name);
     options.seed = evaluation_.seed;
     options.draw = evaluation_.draw;
     options.metrics = evaluation_.metrics;
@@ -225,7 +233,8 @@ class EvaluationRun {
     std::vector<std::string> names;
     const auto add = [&](const std::string& name) {
       if (features_.count(name) == 0) return;
-      items.push_back({"score/" + name, OptionsToJson(OptionsOfScore(name)), {FeaturesInput("row", name)}});
+      items.push_back(
+          {"score/" + evaluation_.branch + name, OptionsToJson(OptionsOfScore(name)), {FeaturesInput("row", name)}});
       AddReferences(items.back().inputs);
       names.push_back(name);
     };
@@ -309,11 +318,9 @@ class EvaluationRun {
         const ScoredSet &one = evaluation_.rows[i], &other = evaluation_.rows[j];
         const bool alike = one.frames == other.frames && one.step == other.step;  // of equal duration and step
         if (!alike || features_.count(a) == 0 || features_.count(b) == 0) continue;
-        ScoreOptions options = OptionsOfScore("");
-        options.fresh = HasGenerator(a) && HasGenerator(b);
         items.push_back(
-            {"compare/" + a + "/" + b,
-             OptionsToJson(options),
+            {"compare/" + evaluation_.branch + a + "/" + b,
+             OptionsToJson(OptionsOfScore("")),
              {FeaturesInput("a", a), FeaturesInput("b", b), FeaturesInput("reference_train", "reference")}});
         pairs.emplace_back(a, b);
       }
@@ -330,29 +337,21 @@ class EvaluationRun {
     return {};
   }
 
-  /// Notes a difference that is smaller than between real motions, or not significant in a permutation test.
+  /// Notes a difference that is not significant in a permutation test.
   void NoteNoise(const std::string& a, const std::string& b, const nlohmann::json& compared) {
     const nlohmann::json& fid = compared.value("FID_train", nlohmann::json());
     if (!fid.is_object()) {
       return Warn(a, "not_compared",
-                  a + " and " + b +
-                      " are not tested for a difference: they differ in their number of "
-                      "motions, or have too many features to resample");
+                  a + " and " + b + " are not tested for a difference: too few motions, or too many features");
     }
-    double noise = 0.0;
-    for (const nlohmann::json& row : result_.rows) {
-      const nlohmann::json& value = row.at("metrics").at("FID_train").at("value");
-      if (row.at("name") == kReal && value.is_number()) noise = value.get<double>();
-    }
-    const double difference = std::abs(fid.at("difference").get<double>());
-    const nlohmann::json& p = fid.at("p");
-    if (difference >= noise && (p.is_null() || p.get<double>() <= kChance)) return;
-    const std::string chance = p.is_null() ? "" : "p " + RoundedText(p.get<double>(), 2) + "; ";
+    const double p = fid.at("p").get<double>();
+    if (p <= kChance) return;
     result_.warnings.push_back(
         {{"code", "difference_is_noise"},
          {"row", a},
-         {"message", a + " and " + b + ": FID differs by " + RoundedText(difference, 3) + " (" + chance +
-                         "real motions differ from real ones by " + RoundedText(noise, 3) + ")"}});
+         {"message", a + " and " + b + ": FID of " + fid.at("motions").dump() + " motions each differs by " +
+                         RoundedText(std::abs(fid.at("difference").get<double>()), 3) +
+                         ", and exchanging their motions changes it as much (p " + RoundedText(p, 2) + ")"}});
   }
 
   const Evaluation& evaluation_;

@@ -33,6 +33,7 @@ struct Evaluation {
   StageInput weights;
   DrawOptions draw;
   MetricOptions metrics;
+  MeasureSet measures = MeasureSet::kOwn;
   std::map<std::string, std::string> equivalent;
   std::int64_t seed = 1;
   RealPart real_part = RealPart::kAll;
@@ -42,6 +43,7 @@ struct Evaluation {
   std::int64_t protocol_motions = 0;  ///< number that the paper scores; 0: not a paper's protocol
   bool test_reference = false;  ///< the training part is the reference of FID_train, the test part that of FID_test
   bool compare_rows = true;     ///< pairwise, for equal duration and step
+  std::string branch;           ///< of the items' names, where one run scores by two extractors: "published/"
   std::optional<ScoredSet> real;
   std::vector<ScoredSet> rows;
 };

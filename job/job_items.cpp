@@ -217,12 +217,28 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vecto
   return clips;
 }
 
+/// Features of a network that recognises less than a nearest neighbour of joint positions are no measure of motions.
+static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& metrics) {
+  const nlohmann::json scored =
+      metrics.value("recognisers", nlohmann::json::object()).value(recogniser, nlohmann::json());
+  const nlohmann::json& nearest = metrics["nearest_neighbour"];
+  if (!scored.is_object() || !scored.contains("mean") || !nearest.is_object() || nearest.value("count", 0) == 0) return;
+  const double own = scored["mean"].get<double>(), other = nearest.at("accuracy").get<double>();
+  if (own >= other) return;
+  const std::string text = recogniser + " recognises " + RoundedText(own, 2) +
+                           " of the test clips, a nearest neighbour of their joint positions " + RoundedText(other, 2) +
+                           ": it is unfit as an extractor, train it longer before its FIDs are read";
+  metrics["notes"].push_back(text + ".");
+  metrics["warnings"].push_back({{"code", "unfit_extractor"}, {"row", ""}, {"message", text}});
+}
+
 nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result) {
   for (const std::string& note : TrainingNotes(options.train, RecogniserOf(options))) metrics["notes"].push_back(note);
   for (const auto& [network, error] : result.untrained) {
     metrics["notes"].push_back(network + " was not trained: " + error.Message());
   }
   metrics["nearest_neighbour"] = result.audit.value("nearest_neighbour", nlohmann::json());
+  NoteUnfitExtractor(RecogniserOf(options), metrics);
   return metrics;
 }
 

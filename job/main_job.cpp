@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "eval/stages.h"
 #include "eval/tables/result_table.h"
+#include "eval/tables/seeds.h"
 #include "fitting/rig_file.h"
 #include "fitting/stages.h"
 #include "ingest/discover.h"
@@ -391,8 +392,21 @@ class MainJob {
     if (const std::string recogniser = RecogniserOf(options_); !recogniser.empty()) {
       result_.metrics["notes"].push_back("Features by " + recogniser + ".");
     }
+    const auto& networks = options_.train.networks;
+    if (options_.skeleton != "smplh52" && std::any_of(networks.begin(), networks.end(), [](const NetworkOptions& one) {
+          return one.kind == NetworkKind::kMacvae;
+        })) {
+      result_.metrics["notes"].push_back("Joints of " + options_.skeleton +
+                                         "; MultiAct's networks read the 52 of SMPL-H, hands included.");
+    }
+    for (const nlohmann::json& note : result_.metrics.value("own_notes", nlohmann::json::array())) {
+      result_.metrics["notes"].push_back(note);
+    }
+    result_.metrics.erase("own_notes");
     AddTraining(networks_, options_, result_.training, JournalOf(folder(), TrainDeclaration().name),
                 result_.metrics["rows"]);
+    MergeSeeds(result_.metrics["rows"]);
+    result_.metrics["orders"] = OrdersOfSeeds(result_.metrics["rows"]);
     return WriteMetrics();
   }
 

@@ -8,8 +8,10 @@
 #include "core/base/text.h"
 #include "eval/published/published.h"
 #include "eval/stages.h"
+#include "eval/tables/result_table.h"
 #include "job/evaluation.h"
 #include "job/protocols.h"
+#include "job/published_recogniser.h"
 
 namespace mocurate {
 namespace {
@@ -19,10 +21,12 @@ const NetworkOptions& NetworkOf(const JobOptions& options, const TrainedNetwork&
 }
 
 /// A recogniser of mocurate declares its own preprocessing; the number of draws in a pass depends on it.
-ExtractorOptions OwnExtractor(const NetworkOptions& network) {
+ExtractorOptions OwnExtractor(const NetworkOptions& network, const EvaluateOptions& evaluate) {
   const TrainingDataOptions& data = network.data;
   ExtractorOptions extractor;
   extractor.name = "own";
+  extractor.real_root = evaluate.real_root;
+  extractor.generated_root = evaluate.generated_root;
   if (network.kind == NetworkKind::kStGcn) {
     extractor.network = ExtractorNetwork::kStGcn;
     extractor.values = ExtractorValues::kRotation6DRows;
@@ -216,7 +220,7 @@ Expected<nlohmann::json> ScoreRecognisers(const std::vector<TrainedNetwork>& net
     const NetworkOptions& own = NetworkOf(options, network);
     if (GeneratesMotions(own.kind)) continue;
     FeaturesOptions features;
-    features.extractor = OwnExtractor(own);
+    features.extractor = OwnExtractor(own, options.evaluate);
     features.part = RealPart::kTest;
     features.crop = CropDraw::kReleased;  // as in training; irrelevant where whole clips are read
     features.seed = options.evaluate.seed;
@@ -318,10 +322,11 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   if (first == networks.end()) return scores;
   const EvaluateOptions& evaluate = options.evaluate;
   Evaluation evaluation;
-  evaluation.extractor = OwnExtractor(NetworkOf(options, *first));
+  evaluation.extractor = OwnExtractor(NetworkOf(options, *first), evaluate);
   evaluation.weights = first->checkpoint;
   evaluation.draw = evaluate.draw();
   evaluation.metrics = evaluate.metrics();
+  evaluation.measures = evaluate.measures;
   evaluation.seed = evaluate.seed;
   evaluation.real_part = evaluate.test_reference ? RealPart::kTrain : evaluate.real;
   evaluation.test_reference = evaluate.test_reference;
@@ -385,6 +390,11 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   }
   scores.metrics["extractor"] = first->checkpoint.name;
   scores.metrics["rows"] = std::move(evaluated->rows);
+  if (Status added = AddPublishedRecogniser(evaluate.published_protocol, {options.allow_include}, std::move(evaluation),
+                                            runs, scores.metrics);
+      !added) {
+    return Forward(added);
+  }
   scores.metrics["comparisons"] = std::move(evaluated->comparisons);
   scores.metrics["warnings"] = std::move(evaluated->warnings);
   return scores;
@@ -406,6 +416,9 @@ void AddTraining(const std::vector<TrainedNetwork>& networks, const JobOptions& 
       ours["parameters"] = summary.at("parameters_of");
       if (const std::string why = Unconverged(own, row, steps, options.evaluate.settled, rows); !why.empty()) {
         ours["unconverged"] = row["unconverged"] = why;
+      }
+      if (own.kind == NetworkKind::kCondGru && own.cond_gru.evaluation == CondGruEvaluation::kRollout) {
+        row["given"] = kGivenFirstPose;
       }
       const TrainingEffort effort = EffortOf(journal, network.checkpoint.name, steps);
       if (!effort.known) continue;

@@ -71,7 +71,7 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 23, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 24, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ReviewDeclaration() { return {"review", 5, "mocurate-annotate", WholeSetLimits()}; }
 

@@ -302,7 +302,13 @@ so values compare only within one recogniser.</dd>
 <dt>Accuracy ↑</dt><dd>Share of the motions that the recogniser classifies as the requested label.</dd>
 <dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same label.
 Best is closest to the row <em>Real</em>.</dd>
-<dt>±</dt><dd>See the line below the table. It covers the repetitions of the evaluation, not another training.</dd>
+<dt>FID, equal sizes ↓</dt><dd>Both sides have the same number of motions, so that rows compare with <em>Real</em>,
+which FID train may flatter or not.</dd>
+<dt>FID, unbiased ↓</dt><dd>What FID would be of infinitely many motions.</dd>
+<dt>Movement, of real →</dt><dd>Speed of the joints over that of real motions of the same label: far below 1, the
+motions hardly move, whatever their FID.</dd>
+<dt>±</dt><dd>See the line below the table: over other motions, over other persons, over the repetitions of the
+evaluation, or over several trainings.</dd>
 <dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. Failed clips are in the funnel's
 reasons.</dd>
 </dl>

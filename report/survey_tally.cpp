@@ -8,6 +8,7 @@
 #include "core/base/random.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
+#include "eval/metrics/interval.h"
 #include "report/charts.h"
 #include "report/html.h"
 
@@ -98,20 +99,18 @@ std::optional<double> SignFlipTest(const std::vector<double>& differences, std::
   return all ? static_cast<double>(as_large) / patterns : (as_large + 1.0) / (patterns + 1.0);
 }
 
-/// Adds "p_holm": Holm's step-down correction.
+/// Adds "p_holm".
 void CorrectForPairs(TallyJson& differences) {
-  std::vector<TallyJson*> order;
+  std::vector<TallyJson*> tested;
+  std::vector<double> p;
   for (TallyJson& one : differences) {
     one["p_holm"] = nullptr;
-    if (!one.at("p").is_null()) order.push_back(&one);
+    if (one.at("p").is_null()) continue;
+    tested.push_back(&one);
+    p.push_back(one.at("p").get<double>());
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const TallyJson* a, const TallyJson* b) { return a->at("p") < b->at("p"); });
-  double largest = 0.0;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    largest = std::max(largest, static_cast<double>(order.size() - i) * order[i]->at("p").get<double>());
-    (*order[i])["p_holm"] = std::min(1.0, largest);
-  }
+  const std::vector<double> corrected = HolmCorrected(p);
+  for (std::size_t i = 0; i < tested.size(); ++i) (*tested[i])["p_holm"] = corrected[i];
 }
 
 TallyJson IntervalJson(const Interval& interval) {

@@ -70,6 +70,14 @@ std::string ClipIdentity::id() const {
 
 std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
+std::string PersonOf(const std::string& id) {
+  const std::size_t source = id.find('/');
+  const std::size_t person = source == std::string::npos ? source : id.find('/', source + 1);
+  if (person == std::string::npos) return {};
+  const std::string name = id.substr(source + 1, person - source - 1);
+  return name.empty() || name == "unknown" ? std::string() : id.substr(0, person);
+}
+
 bool IsCalled(const std::string& id, const std::string& name) {
   const auto is_end = [&](const std::string& whole) {
     return whole == name || EndsWith(whole, "/" + name) || (EndsWith(whole, name) && name[0] == '[');

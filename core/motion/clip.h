@@ -140,6 +140,8 @@ struct Clip {
 
 /// A clip id without its frames: source/person/recording.
 std::string RecordingOf(const std::string& id);
+/// The person of a clip id, with the source, because persons of two sources differ; empty where it is not known.
+std::string PersonOf(const std::string& id);
 
 /// Whether a name means a clip: its id, with its span of frames or without, what stands behind a '/' in it, or the name
 /// that an inspection lists (provenance "inspected_as"), with the file's folders and ending or without.

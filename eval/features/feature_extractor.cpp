@@ -31,7 +31,6 @@ void TakeFromCheckpoint(const Recogniser& recogniser, Extractor& extractor) {
   const bool whole = recogniser.input_kind() == RecogniserInputKind::kWhole;
   options.padding = whole ? PaddingRule::kZerosMinusRoot : PaddingRule::kRepeatLast;
   options.read_out = recogniser.reads_last_valid() ? ReadOut::kLastValid : ReadOut::kLastFrame;
-  options.real_root = options.generated_root = RootRule::kFirstFrame;
   options.classes = recogniser.labels();
   options.rate_hz = recogniser.rate_hz();
   extractor.rules.skeleton = recogniser.skeleton();
@@ -95,12 +94,17 @@ Expected<Extractor> Extractor::Open(const ExtractorOptions& options, const std::
   return extractor;
 }
 
-std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::string& label) {
+std::optional<int> ClassOfName(const std::vector<std::string>& classes, const std::string& label) {
   const std::string wanted = Plain(label);
   if (wanted.empty()) return std::nullopt;
   for (std::size_t c = 0; c < classes.size(); ++c) {
     if (Plain(classes[c]) == wanted) return static_cast<int>(c);
   }
+  return std::nullopt;
+}
+
+std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::string& label) {
+  if (const auto named = ClassOfName(classes, label)) return named;
   const std::optional<long long> index = ParseInteger(label);
   if (index && *index >= 0 && *index < static_cast<long long>(classes.size())) return static_cast<int>(*index);
   return std::nullopt;

@@ -22,6 +22,9 @@ struct Extractor {
   static Expected<Extractor> Open(const ExtractorOptions& options, const std::filesystem::path& weights);
 };
 
+/// The class of that name, whose case, spaces, '_', '-' and '/' do not matter; nothing where there is none.
+std::optional<int> ClassOfName(const std::vector<std::string>& classes, const std::string& label);
+
 /// Class index of a label for an extractor: by name (ignoring case, blanks, '_' and '-'), else a whole number is the
 /// index itself; empty for a label that the extractor lacks.
 std::optional<int> ClassOf(const std::vector<std::string>& classes, const std::string& label);

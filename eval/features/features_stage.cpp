@@ -12,6 +12,7 @@
 #include "core/motion/limbs.h"
 #include "core/motion/operations.h"
 #include "core/pipeline/worker.h"
+#include "core/quality/activity.h"
 #include "core/quality/contacts.h"
 #include "core/quality/measures.h"
 #include "core/quality/padding.h"
@@ -50,25 +51,39 @@ Expected<std::vector<int>> ClassesOf(const Dataset& dataset, const std::vector<s
 }
 
 /// Measures of each motion that need no network; appends them to `quality`.
-void AddQuality(const std::vector<const Motion*>& motions, int threads,
+void AddQuality(const std::vector<const Motion*>& motions, const FeaturesOptions& options, int threads,
                 std::map<std::string, std::vector<double>>& quality) {
-  constexpr const char* kNames[] = {"foot_skate",      "jerk", "bone_spread", "frozen_share", "floor_penetration",
-                                    "limit_violations"};
-  std::vector<std::array<double, std::size(kNames)>> of_motion(motions.size());
+  std::vector<std::map<std::string, double>> of_motion(motions.size());
   ParallelFor(static_cast<int>(motions.size()), kMeasuredAtOnce, threads, [&](int begin, int end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Motion& motion = *motions[i];
       const MotionMeasures measures = MeasureMotion(motion);
-      of_motion[i] = {measures.foot_skate,
-                      measures.jerk,
-                      1e-3 * measures.bone_spread_mm,
-                      static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1),
-                      FloorPenetration(motion).value_or(kNotMeasured),
-                      LimitViolations(motion).value_or(kNotMeasured)};
+      const auto activity = ActivityOf(motion);
+      of_motion[i] = {{"foot_skate", measures.foot_skate},
+                      {"jerk", measures.jerk},
+                      {"bone_spread", 1e-3 * measures.bone_spread_mm},
+                      {"frozen_share", static_cast<double>(measures.frozen_frames) / std::max(1, measures.frames - 1)},
+                      {"floor_penetration", FloorPenetration(motion).value_or(kNotMeasured)},
+                      {"limit_violations", LimitViolations(motion).value_or(kNotMeasured)},
+                      {"movement", activity ? activity->movement : kNotMeasured}};
+      if (options.clip_part == ClipPart::kTransition) {
+        of_motion[i]["peak_jerk"] = activity ? activity->peak_jerk : kNotMeasured;
+        of_motion[i]["jerk_area"] = activity ? activity->jerk_area : kNotMeasured;
+      }
+      if (options.measures != MeasureSet::kMBench) continue;
+      const auto mbench = MBenchOf(motion);
+      const auto put = [&](const char* name, double MBenchMeasures::*value) {
+        of_motion[i][name] = mbench ? (*mbench).*value : kNotMeasured;
+      };
+      put("mbench_slide", &MBenchMeasures::slide);
+      put("mbench_float", &MBenchMeasures::floating);
+      put("mbench_jitter", &MBenchMeasures::jitter);
+      put("mbench_dynamic", &MBenchMeasures::dynamic);
+      put("mbench_penetration", &MBenchMeasures::penetration);
     }
   });
-  for (std::size_t k = 0; k < std::size(kNames); ++k) {
-    for (const auto& values : of_motion) quality[kNames[k]].push_back(values[k]);
+  for (const auto& values : of_motion) {
+    for (const auto& [name, value] : values) quality[name].push_back(value);
   }
 }
 
@@ -148,7 +163,7 @@ class FeaturesRun {
     std::vector<int> labels;
     for (const int row : *rows) labels.push_back((*classes)[static_cast<std::size_t>(row)]);
     std::map<std::string, std::vector<double>> quality;
-    AddQuality(all, threads_, quality);
+    AddQuality(all, options_, threads_, quality);
     const int passes = static_cast<int>(std::max<std::int64_t>(1, options_.passes));
     for (int p = 0; p < passes; ++p) {
       const int count = options_.passes == 0 ? 0 : static_cast<int>(options_.motions);
@@ -209,7 +224,7 @@ class FeaturesRun {
         pass.labels.push_back(class_of[static_cast<std::size_t>(label)]);
         pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
       }
-      if (p == 0) AddQuality(pass.motions, threads_, set_.quality);
+      if (p == 0) AddQuality(pass.motions, options_, threads_, set_.quality);
       if (Status added = Append(pass, p, passes); !added) return added;
     }
     return {};
@@ -226,8 +241,10 @@ class FeaturesRun {
 
   Expected<std::vector<MotionRequest>> RequestsOf(const Dataset& dataset, const std::vector<int>& rows,
                                                   int pass) const {
-    if (options_.script != ScriptDraw::kNone) return DrawScripts(dataset, rows, options_, pass);
-    return DrawRequests(dataset, rows, options_, extractor_.rules.frames(), pass);
+    const auto training = TrainingRows(dataset, options_.split);
+    if (!training) return Forward(training);
+    if (options_.script != ScriptDraw::kNone) return DrawScripts(dataset, rows, *training, options_, pass);
+    return DrawRequests(dataset, rows, *training, options_, extractor_.rules.frames(), pass);
   }
 
   Status Append(const PassMotions& motions, int pass, int passes) {
@@ -328,6 +345,12 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
                      {"passes", run.set().passes()},
                      {"classes", extractor->rules.options.classes},
                      {"unlabelled", std::count(run.set().label.begin(), run.set().label.end(), -1)},
+                     {"labels_by_index", std::count_if(dataset->clips.begin(), dataset->clips.end(),
+                                                       [&](const Clip& clip) {
+                                                         const auto& known = extractor->rules.options.classes;
+                                                         return !ClassOfName(known, clip.label) &&
+                                                                ParseInteger(clip.label).has_value();
+                                                       })},
                      {"frames", extractor->rules.frames()},
                      {"with_inferred", inferred->clips},
                      {"inferred_frames", inferred->frames},

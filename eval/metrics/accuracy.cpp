@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/text.h"
+
 namespace mocurate {
 
 Eigen::MatrixXi ConfusionMatrix(const std::vector<int>& truth, const std::vector<int>& predicted, int classes) {
@@ -15,6 +17,32 @@ Eigen::MatrixXi ConfusionMatrix(const std::vector<int>& truth, const std::vector
 
 int LargestLogit(const float* logits, int classes) {
   return static_cast<int>(std::max_element(logits, logits + classes) - logits);
+}
+
+EquivalentClasses EquivalentOf(const std::map<std::string, std::string>& table, const std::vector<std::string>& classes,
+                               std::set<std::string>& unknown) {
+  EquivalentClasses equivalent;
+  if (table.empty()) return equivalent;
+  equivalent.resize(classes.size());
+  const auto at = [&](const std::string& name) {
+    const auto found = std::find(classes.begin(), classes.end(), name);
+    return found == classes.end() ? -1 : static_cast<int>(found - classes.begin());
+  };
+  for (const auto& [truth, accepted] : table) {
+    if (at(truth) < 0) {
+      unknown.insert(truth);
+      continue;
+    }
+    for (const std::string_view part : SplitText(accepted, ',')) {
+      const std::string name(Trim(part));
+      if (at(name) >= 0) {
+        equivalent[static_cast<std::size_t>(at(truth))].push_back(at(name));
+      } else {
+        unknown.insert(name);
+      }
+    }
+  }
+  return equivalent;
 }
 
 double AcceptedShare(const std::vector<int>& truth, const float* logits, int classes, int top,

@@ -38,9 +38,38 @@ Eigen::ArrayXXd Kernel(const Features& a, const Features& b) {
   return ((a * b.transpose()).array() / static_cast<double>(a.cols()) + 1.0).cube();
 }
 
-constexpr Eigen::Index kRowsAtOnce = 512;
+/// Numerical error of a distance computed from squares, relative to the features' norm.
+constexpr double kRounding = 1e-6;
 
-/// Squared distances of rows [begin, begin + n) of `a` to all rows of `b`.
+/// Balls around the motions of a set.
+struct Balls {
+  Eigen::VectorXd radius;  ///< (N) squared
+  double nearest = 0.0;    ///< mean distance to the nearest other
+};
+
+Balls BallsOf(const Features& set, const Eigen::VectorXd& norm, int k) {
+  Balls balls;
+  balls.radius.resize(set.rows());
+  for (Eigen::Index begin = 0; begin < set.rows(); begin += kRowsAtOnce) {
+    const Eigen::Index n = std::min(kRowsAtOnce, set.rows() - begin);
+    Eigen::MatrixXd squared = SquaredDistances(set, begin, n, set, norm).transpose();  // a column each
+    for (Eigen::Index i = 0; i < n; ++i) {
+      squared(begin + i, i) = std::numeric_limits<double>::infinity();
+      double* column = squared.col(i).data();
+      std::nth_element(column, column + k - 1, column + set.rows());
+      balls.radius(begin + i) = column[k - 1];
+      balls.nearest += std::sqrt(*std::min_element(column, column + k)) / static_cast<double>(set.rows());
+    }
+  }
+  return balls;
+}
+
+double Share(const std::vector<bool>& flags) {
+  return static_cast<double>(std::count(flags.begin(), flags.end(), true)) / static_cast<double>(flags.size());
+}
+
+}  // namespace
+
 Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
                                  const Eigen::VectorXd& b_norm) {
   const auto rows = a.middleRows(begin, n);
@@ -49,11 +78,6 @@ Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::I
   squared.rowwise() += b_norm.transpose();
   return squared.cwiseMax(0.0);
 }
-
-/// Numerical error of a distance computed from squares, relative to the features' norm.
-constexpr double kRounding = 1e-6;
-
-}  // namespace
 
 Expected<FeatureStatistics> StatisticsOf(const Features& features) {
   constexpr Eigen::Index kBlock = 4096;
@@ -88,7 +112,7 @@ Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatis
   return (a.mean - b.mean).squaredNorm() + a.covariance.trace() + b.covariance.trace() - 2.0 * trace_root;
 }
 
-Expected<double> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random) {
+Expected<KernelSubsets> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random) {
   const Eigen::Index n = std::min({static_cast<Eigen::Index>(size), a.rows(), b.rows()});
   if (n < 2 || a.cols() != b.cols()) {
     return Fail(ErrorCode::kInconsistent,
@@ -97,15 +121,18 @@ Expected<double> KernelDistance(const Features& a, const Features& b, int subset
                 "KID", "use two motions or more in each set, of one extractor");
   }
   const bool whole = n == a.rows() && n == b.rows();
-  const int count = whole ? 1 : subsets;
-  double sum = 0.0;
-  for (int s = 0; s < count; ++s) {
+  std::vector<double> values;
+  for (int s = 0; s < (whole ? 1 : subsets); ++s) {
     const Features x = whole ? a : DrawRows(a, n, random), y = whole ? b : DrawRows(b, n, random);
     const Eigen::ArrayXXd xx = Kernel(x, x), yy = Kernel(y, y);
     const double own = xx.sum() - xx.matrix().trace() + yy.sum() - yy.matrix().trace();
-    sum += own / static_cast<double>(n * (n - 1)) - 2.0 * Kernel(x, y).mean();
+    values.push_back(own / static_cast<double>(n * (n - 1)) - 2.0 * Kernel(x, y).mean());
   }
-  return sum / count;
+  KernelSubsets of{0.0, 0.0, static_cast<int>(values.size()), static_cast<int>(n)};
+  for (const double value : values) of.mean += value / of.count;
+  for (const double value : values) of.sd += (value - of.mean) * (value - of.mean) / std::max(1, of.count - 1);
+  of.sd = std::sqrt(of.sd);
+  return of;
 }
 
 IndexPairs DrawDiversityPairs(int motions, int pairs, Random& random) {
@@ -150,43 +177,41 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
                 "density and coverage",
                 "use a reference of more than " + std::to_string(k) + " motions, features of one extractor");
   }
-  const Eigen::VectorXd norm = reference.rowwise().squaredNorm();
-  Eigen::VectorXd radius(reference.rows());  // squared
-  double own_nearest = 0.0;
-  for (Eigen::Index begin = 0; begin < reference.rows(); begin += kRowsAtOnce) {
-    const Eigen::Index n = std::min(kRowsAtOnce, reference.rows() - begin);
-    Eigen::MatrixXd squared = SquaredDistances(reference, begin, n, reference, norm).transpose();  // a column each
-    for (Eigen::Index i = 0; i < n; ++i) {
-      squared(begin + i, i) = std::numeric_limits<double>::infinity();
-      double* column = squared.col(i).data();
-      std::nth_element(column, column + k - 1, column + reference.rows());
-      radius(begin + i) = column[k - 1];
-      own_nearest += std::sqrt(*std::min_element(column, column + k));
-    }
-  }
-  std::vector<bool> covered(static_cast<std::size_t>(reference.rows()), false);
-  long long inside = 0;
+  const Eigen::VectorXd norm = reference.rowwise().squaredNorm(), own_norm = motions.rowwise().squaredNorm();
+  const Balls balls = BallsOf(reference, norm, k);
+  const bool recalled_too = motions.rows() > k;
+  const Eigen::VectorXd own_radius = recalled_too ? BallsOf(motions, own_norm, k).radius : Eigen::VectorXd();
+  // Repeated rows have distances at rounding level, which are no reference.
+  const bool among = balls.nearest > kRounding * std::sqrt(norm.mean());
+  const double copy = std::pow(std::max(kMemorised * balls.nearest, kRounding * std::sqrt(norm.mean())), 2);
+  std::vector<bool> covered(static_cast<std::size_t>(reference.rows()), false), recalled = covered;
+  std::vector<bool> inside(static_cast<std::size_t>(motions.rows()), false);
+  long long memberships = 0, copies = 0;
   double nearest = 0.0;
   for (Eigen::Index begin = 0; begin < motions.rows(); begin += kRowsAtOnce) {
     const Eigen::Index n = std::min(kRowsAtOnce, motions.rows() - begin);
     const Eigen::MatrixXd squared = SquaredDistances(motions, begin, n, reference, norm);
     for (Eigen::Index j = 0; j < reference.rows(); ++j) {
       for (Eigen::Index i = 0; i < n; ++i) {
-        if (squared(i, j) > radius(j)) continue;
-        ++inside;
+        if (recalled_too && squared(i, j) <= own_radius(begin + i)) recalled[static_cast<std::size_t>(j)] = true;
+        if (squared(i, j) > balls.radius(j)) continue;
+        ++memberships;
         covered[static_cast<std::size_t>(j)] = true;
+        inside[static_cast<std::size_t>(begin + i)] = true;
       }
     }
-    nearest += squared.rowwise().minCoeff().cwiseSqrt().sum();
+    const Eigen::ArrayXd least = squared.rowwise().minCoeff().array();
+    nearest += least.sqrt().sum();
+    copies += (least <= copy).count();
   }
+  const double count = static_cast<double>(motions.rows());
   NeighbourFigures figures;
-  figures.density = static_cast<double>(inside) / (static_cast<double>(k) * static_cast<double>(motions.rows()));
-  figures.coverage =
-      static_cast<double>(std::count(covered.begin(), covered.end(), true)) / static_cast<double>(reference.rows());
-  const double among = own_nearest / static_cast<double>(reference.rows());
-  // Repeated rows have distances at rounding level, which are no reference.
-  const double rounding = kRounding * std::sqrt(norm.mean());
-  figures.nearest = among > rounding ? nearest / static_cast<double>(motions.rows()) / among : 0.0;
+  figures.density = static_cast<double>(memberships) / (static_cast<double>(k) * count);
+  figures.coverage = Share(covered);
+  figures.precision = Share(inside);
+  figures.recall = Share(recalled);
+  figures.nearest = among ? nearest / count / balls.nearest : 0.0;
+  figures.memorised = static_cast<double>(copies) / count;
   return figures;
 }
 

@@ -27,9 +27,17 @@ Expected<FeatureStatistics> StatisticsOf(const Features& features);
 Expected<double> FrechetDistance(const FeatureStatistics& a, const FeatureStatistics& b);
 
 /// Kernel distance (KID): the unbiased estimate of the squared maximum mean discrepancy with the kernel (x.y / D +
-/// 1)^3, the mean over `subsets` random subsets of at most `size` motions of each set. Unlike FID it is unbiased for
-/// few motions. [Binkowski et al. 2018, section 4]. Error kInconsistent for fewer than two motions in a set.
-Expected<double> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random);
+/// 1)^3, of `count` random subsets of `size` motions of each set. [Binkowski et al. 2018, section 4]
+struct KernelSubsets {
+  double mean = 0.0;
+  double sd = 0.0;  ///< over the subsets; 0 for one
+  int count = 0;
+  int size = 0;
+};
+
+/// `subsets` of at most `size` motions; one of all where both sets have no more. Unlike FID the mean is unbiased for
+/// few motions. Error kInconsistent for fewer than two motions in a set.
+Expected<KernelSubsets> KernelDistance(const Features& a, const Features& b, int subsets, int size, Random& random);
 
 /// Pairs of motions for a metric's distances; drawn separately from the metric, so that a reference's draws can be
 /// replayed.
@@ -45,19 +53,34 @@ IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, i
 /// Mean Euclidean distance over the pairs; 0 without pairs.
 double MeanDistance(const Features& features, const IndexPairs& pairs);
 
+/// Motions of a block of distances.
+inline constexpr Eigen::Index kRowsAtOnce = 512;
+
+/// Squared distances of rows [begin, begin + n) of `a` to all rows of `b`, (n, rows of b). `b_norm`: squared lengths of
+/// the rows of `b`.
+Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
+                                 const Eigen::VectorXd& b_norm);
+
 /// Nearest-neighbour metrics of features.
 struct NeighbourFigures {
   /// Mean over the motions of the number of reference balls that contain them, divided by k: about 1 for motions like
   /// the reference.
   double density = 0.0;
-  double coverage = 0.0;  ///< share of the reference's balls that contain a motion
+  double coverage = 0.0;   ///< share of the reference's balls that contain a motion
+  double precision = 0.0;  ///< share of the motions in any of the reference's balls
+  double recall = 0.0;     ///< share of the reference in any of the motions' balls; 0 for k motions or fewer
   /// Mean distance of the motions to their nearest in the reference, divided by that of the reference's motions to
   /// their nearest other: about 1 for new motions, near 0 for copies of the reference.
   double nearest = 0.0;
+  double memorised = 0.0;  ///< share of the motions nearer to one of the reference than kMemorised of that mean
 };
 
-/// A ball reaches from each motion of the reference to its k-th nearest other. [Naeem et al. 2020, equations 3 and 4, k
-/// = 5] Error kInconsistent where the reference has no k others or features differ in number.
+/// Copies differ by rounding and by where a window begins: a hundredth of the mean distance between neighbours.
+inline constexpr double kMemorised = 0.01;
+
+/// A ball reaches from a motion to its k-th nearest other of its set. [density and coverage: Naeem et al. 2020,
+/// equations 3 and 4, k = 5; precision and recall: Kynkaanniemi et al. 2019, with the same k] Error kInconsistent where
+/// the reference has no k others or features differ in number.
 Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Features& reference, int k = 5);
 
 }  // namespace mocurate

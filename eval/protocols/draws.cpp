@@ -130,6 +130,15 @@ Expected<std::vector<int>> RowsOfPart(const Dataset& dataset, RealPart part, con
               "evaluate.real", "choose evaluate.real: all, or a split whose parts have clips");
 }
 
+Expected<std::vector<int>> TrainingRows(const Dataset& dataset, const std::string& name) {
+  const auto split = ChooseSplit(dataset, name);
+  if (!split) return Forward(split);
+  if (*split != nullptr && !(*split)->train.empty()) return (*split)->train;
+  std::vector<int> rows(dataset.clips.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
 std::vector<int> DrawPositions(int size, int count, bool replacement, std::uint64_t seed, int repetition,
                                const std::string& purpose) {
   std::vector<int> positions(static_cast<std::size_t>(size));
@@ -162,23 +171,27 @@ std::vector<int> DrawPerLabel(const std::vector<int>& labels, int per_label, std
 }
 
 std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vector<int>& rows,
-                                        const FeaturesOptions& options, int frames, int repetition) {
+                                        const std::vector<int>& training, const FeaturesOptions& options, int frames,
+                                        int repetition) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
-  const int count = static_cast<int>(options.motions == 0 ? static_cast<std::int64_t>(rows.size()) : options.motions);
+  const int all = static_cast<int>(options.motions == 0 ? static_cast<std::int64_t>(rows.size()) : options.motions);
   const std::vector<int> real =
-      DrawPositions(static_cast<int>(rows.size()), count, options.replacement, seed, repetition, "reference");
+      DrawPositions(static_cast<int>(rows.size()), all, options.replacement, seed, repetition, "reference");
+  // Without replacement, ACTOR generates as many motions as it draws real ones.
+  const int count = options.replacement ? all : static_cast<int>(real.size());
   std::set<int> present;
   for (const int row : rows) {
     present.insert(std::max(0, dataset.LabelIndex(dataset.clips[static_cast<std::size_t>(row)].label)));
   }
   const std::vector<int> classes(present.begin(), present.end());
   std::map<int, std::vector<int>> of_label;
-  for (const int row : rows) {
+  for (const int row : training) {
     of_label[std::max(0, dataset.LabelIndex(dataset.clips[static_cast<std::size_t>(row)].label))].push_back(row);
   }
   Random random(seed, "requests", std::to_string(repetition)), poses(seed, "first poses", std::to_string(repetition));
   const auto clip_of_label = [&](int label) {
-    const std::vector<int>& members = of_label.at(label);
+    const auto of = of_label.find(label);  // a class may have no training clip
+    const std::vector<int>& members = of == of_label.end() ? training : of->second;
     return &dataset.clips[static_cast<std::size_t>(members[poses.Below(members.size())])];
   };
   std::vector<MotionRequest> requests(static_cast<std::size_t>(count));
@@ -189,7 +202,7 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
                                                           : std::max(0, dataset.LabelIndex(like.label));
     request.frames = FramesOfPart(like, options.clip_part).value_or(frames);
     request.seed = (static_cast<std::uint64_t>(random.Next()) << 32) | random.Next();
-    const Clip& source = dataset.clips[static_cast<std::size_t>(rows[random.Below(rows.size())])];
+    const Clip& source = dataset.clips[static_cast<std::size_t>(training[random.Below(training.size())])];
     request.bone_length = FirstFrameBones(*source.motion);
     request.source_clip = source.id();
     request.first_pose = FirstPose(*clip_of_label(request.label)->motion);
@@ -198,7 +211,8 @@ std::vector<MotionRequest> DrawRequests(const Dataset& dataset, const std::vecto
 }
 
 Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const std::vector<int>& rows,
-                                                 const FeaturesOptions& options, int repetition) {
+                                                 const std::vector<int>& training, const FeaturesOptions& options,
+                                                 int repetition) {
   const auto sequences = SequencesOf(dataset, rows);
   if (!sequences) return Forward(sequences);
   const auto seed = static_cast<std::uint64_t>(options.seed);
@@ -207,6 +221,7 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
   const int count = options.motions == 0 ? all : static_cast<int>(options.motions);
   const std::vector<int> drawn = DrawPositions(all, count, options.replacement, seed, repetition, "scripts");
   Random random(seed, "scripts of repetition", std::to_string(repetition));
+  Random bodies(seed, "bodies of scripts", std::to_string(repetition));
   std::vector<MotionRequest> requests;
   for (int i = 0; i < (chain ? count : static_cast<int>(drawn.size())); ++i) {
     const auto row =
@@ -215,8 +230,11 @@ Expected<std::vector<MotionRequest>> DrawScripts(const Dataset& dataset, const s
     MotionRequest request;
     const std::uint64_t high = random.Next();
     request.seed = (high << 32) | random.Next();
-    request.bone_length = clip.motion->bone_length;
-    request.source_clip = clip.id();
+    // A motion that continues a sample keeps its bones; every other one has those of a training clip.
+    const bool continues = options.script == ScriptDraw::kAfterSample;
+    const Clip& body = continues ? clip : dataset.clips[static_cast<std::size_t>(DrawOf(training, bodies))];
+    request.bone_length = body.motion->bone_length;
+    request.source_clip = body.id();
     if (chain) {
       request.label = DrawOf(sequences->classes, random);
       request.frames = sequences->usual[static_cast<std::size_t>(request.label)][1];

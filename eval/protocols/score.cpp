@@ -1,6 +1,7 @@
 #include "eval/protocols/score.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -9,19 +10,14 @@
 #include "core/base/text.h"
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/feature_distances.h"
-#include "eval/metrics/interval.h"
 #include "eval/protocols/draws.h"
+#include "eval/protocols/sampled_metrics.h"
 
 namespace mocurate {
 namespace {
 
-/// Above this size a resample of FID takes seconds: D x D eigenvalues.
-constexpr int kLargestResampled = 128;
-constexpr int kSignChanges = 10000;  // for a p of repetitions
-constexpr int kResamples = 200;      // of bootstrap intervals, and permutations of comparisons
-constexpr int kKidSubsets = 10;
-constexpr int kKidSize = 1000;  // motions of a subset
-constexpr int kNeighbours = 5;  // k of density and coverage
+/// A share of memorised motions above which a row has a warning: one copy can be chance, as where two people stand.
+constexpr double kMemorisedShare = 0.01;
 
 Features Gather(const FeatureSet& set, const std::vector<int>& rows) {
   Features features(static_cast<Eigen::Index>(rows.size()), set.feature_size);
@@ -51,10 +47,10 @@ std::vector<int> DistinctClips(const FeatureSet& set, const std::vector<int>& ro
   return distinct;
 }
 
-Features RowsAt(const Features& features, const std::vector<int>& rows) {
-  Features taken(static_cast<Eigen::Index>(rows.size()), features.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) taken.row(static_cast<Eigen::Index>(i)) = features.row(rows[i]);
-  return taken;
+std::vector<int> RowsOfFirstPass(const FeatureSet& set) {
+  std::vector<int> rows(static_cast<std::size_t>(set.passes() > 1 ? set.pass_end(0) : set.count()));
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
 }
 
 Expected<double> FidOf(const Features& a, const Features& b) {
@@ -64,39 +60,6 @@ Expected<double> FidOf(const Features& a, const Features& b) {
   if (!second) return Forward(second);
   return FrechetDistance(*first, *second);
 }
-
-/// `unknown`: names in the table that are not classes of the extractor.
-EquivalentClasses EquivalentOf(const ScoreOptions& options, const std::vector<std::string>& classes,
-                               std::set<std::string>& unknown) {
-  EquivalentClasses equivalent;
-  if (options.equivalent.empty()) return equivalent;
-  equivalent.resize(classes.size());
-  const auto at = [&](const std::string& name) {
-    const auto found = std::find(classes.begin(), classes.end(), name);
-    return found == classes.end() ? -1 : static_cast<int>(found - classes.begin());
-  };
-  for (const auto& [truth, accepted] : options.equivalent) {
-    if (at(truth) < 0) {
-      unknown.insert(truth);
-      continue;
-    }
-    for (const std::string_view part : SplitText(accepted, ',')) {
-      const std::string name(Trim(part));
-      if (at(name) >= 0) {
-        equivalent[static_cast<std::size_t>(at(truth))].push_back(at(name));
-      } else {
-        unknown.insert(name);
-      }
-    }
-  }
-  return equivalent;
-}
-
-/// One metric: values of the repetitions, and the interval from resampling the motions of the first one.
-struct Figure {
-  std::vector<double> values;
-  std::optional<std::array<double, 2>> interval;
-};
 
 /// Metrics of a row, repetition by repetition.
 class RowScore {
@@ -114,7 +77,7 @@ class RowScore {
                   options_.name, "score both sets with one extractor");
     }
     std::set<std::string> unknown;
-    equivalent_ = EquivalentOf(options_, row_.classes, unknown);
+    equivalent_ = EquivalentOf(options_.equivalent, row_.classes, unknown);
     if (!unknown.empty()) {
       Warn("equivalent_without_class", Counted(static_cast<long long>(unknown.size()), "name") +
                                            " of `equivalent` not among the extractor's classes, e.g. '" +
@@ -131,6 +94,8 @@ class RowScore {
  private:
   std::uint64_t seed() const { return static_cast<std::uint64_t>(options_.seed); }
   bool real() const { return options_.real != RealRow::kNone; }
+  /// A sample of the row; its persons are known where its motions are real.
+  FeatureSample Sample(const std::vector<int>& rows) const { return SampleOf(row_, rows, real()); }
   bool drawn() const {
     return options_.draw.repetitions > 1 || options_.draw.motions > 0 || options_.draw.per_label > 0;
   }
@@ -185,34 +150,60 @@ class RowScore {
                   std::string(real() ? "--real-labels" : "--labels") + " FILE: supply them with this option");
     }
     if (repetition == 0) motions_ = static_cast<int>(row.rows.size());
-    AddAccuracy(row);
+    AddAccuracy(row, repetition);
     if (Status spread = AddSpread(row, repetition); !spread) return spread;
     if (repetition == 0) AddQuality(row);
     const std::pair<const char*, const FeatureSet*> sides[] = {{"FID_train", references_.train},
                                                                {"FID_test", references_.test}};
     for (const auto& [name, reference_set] : sides) {
       if (reference_set == nullptr) continue;
-      const bool train = reference_set == references_.train;
-      const bool itself = options_.real == (train ? RealRow::kTrain : RealRow::kTest);
+      const bool itself = options_.real == (reference_set == references_.train ? RealRow::kTrain : RealRow::kTest);
+      const bool halved = itself && !drawn();
       std::pair<ScoredRows, ScoredRows> halves;
-      if (itself && (!drawn() || repetition == 0)) halves = Halves(row.rows, repetition);
-      ScoredRows reference = itself && !drawn()
-                                 ? halves.second
-                                 : RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
-      const Features& compared = itself && !drawn() ? halves.first.features : row.features;
-      if (Status added = AddDistances(name, compared, reference.features, repetition); !added) return added;
-      if (repetition > 0 || !train) continue;
-      if (itself) {  // otherwise each motion is its own neighbour
-        AddNeighbours(halves.first.features, halves.second.features);
-      } else {
-        AddNeighbours(Gather(row_, DistinctClips(row_, row.rows)),
-                      Gather(*reference_set, DistinctClips(*reference_set, reference.rows)));
+      if (itself && (halved || repetition == 0)) halves = Halves(row.rows, repetition);
+      const ScoredRows reference =
+          halved ? halves.second : RowsOfRepetition(*reference_set, options_.draw, seed(), repetition, "reference");
+      const Features& compared = halved ? halves.first.features : row.features;
+      if (Status added = AddFid(name, compared, reference.features, repetition); !added) return added;
+      if (repetition > 0) continue;
+      const FeatureSample own = Sample(itself ? halves.first.rows : DistinctClips(row_, row.rows));
+      const FeatureSample real = SampleOf(*reference_set, DistinctClips(*reference_set, reference.rows), true);
+      // Against itself, a motion would be its own neighbour.
+      const FeatureSample against = itself ? Sample(halves.second.rows) : real;
+      if (reference_set == references_.train) {
+        // The same for every row, also for the real motions, which may be drawn apart.
+        const FeatureSample whole =
+            SampleOf(*reference_set, DistinctClips(*reference_set, RowsOfFirstPass(*reference_set)), true);
+        if (Status added = AddSampledMetrics(own, against, whole, itself, seed(), figures_); !added) return added;
+        NoteMemorised(own);
+        if (!itself) AddMovement(row.rows, *reference_set, reference.rows);
+      } else if (const auto added = AddFidInterval(name, own, against, seed(), figures_); !added) {
+        return Forward(added);
       }
     }
     return {};
   }
 
-  void AddAccuracy(const ScoredRows& row) {
+  void NoteMemorised(const FeatureSample& own) {
+    const Figure& figure = figures_["memorised"];
+    if (real() || figure.values.empty() || figure.values.front() <= kMemorisedShare) return;
+    const auto copies = static_cast<long long>(std::llround(figure.values.front() * own.count()));
+    Warn("memorised", Counted(copies, "motion") + " of " + std::to_string(own.count()) +
+                          (copies == 1 ? " is a copy" : " are copies") +
+                          " of real motions, as the extractor sees them: FID does not show what the network adds; "
+                          "score it against motions that it was not trained on");
+  }
+
+  void AddMovement(const std::vector<int>& rows, const FeatureSet& real, const std::vector<int>& real_rows) {
+    const auto ratio = MovementOfReal(row_, rows, real, real_rows);
+    if (!ratio) return;
+    figures_["movement_of_real"].values = {*ratio};
+    if (*ratio >= options_.metrics.least_movement) return;
+    Warn("hardly_moves", "the motions move " + RoundedText(*ratio, 2) +
+                             " times as much as real ones of their label: FID and accuracy may be good all the same");
+  }
+
+  void AddAccuracy(const ScoredRows& row, int repetition) {
     if (labelled_ == 0) return;
     const int classes = row_.class_count();
     std::vector<float> logits;
@@ -223,58 +214,92 @@ class RowScore {
       predicted.push_back(LargestLogit(of_row, classes));
     }
     figures_["accuracy"].values.push_back(AcceptedShare(row.labels, logits.data(), classes, 1));
-    figures_["accuracy_top5"].values.push_back(AcceptedShare(row.labels, logits.data(), classes, 5, equivalent_));
+    figures_["accuracy_top5"].values.push_back(AcceptedShare(row.labels, logits.data(), classes, 5));
     if (!equivalent_.empty()) {
       figures_["accuracy_equivalent"].values.push_back(
           AcceptedShare(row.labels, logits.data(), classes, 1, equivalent_));
+      figures_["accuracy_top5_equivalent"].values.push_back(
+          AcceptedShare(row.labels, logits.data(), classes, 5, equivalent_));
     }
     const Eigen::MatrixXi confusion = ConfusionMatrix(row.labels, predicted, classes);
     confusion_ = confusion_.size() == 0 ? confusion : Eigen::MatrixXi(confusion_ + confusion);
-    if (figures_["accuracy"].interval) return;  // of the first repetition
+    if (repetition > 0) return;
+    std::vector<int> labelled;
     std::vector<double> right;
     for (std::size_t i = 0; i < predicted.size(); ++i) {
-      if (row.labels[i] >= 0) right.push_back(predicted[i] == row.labels[i] ? 1.0 : 0.0);
+      if (row.labels[i] < 0) continue;
+      labelled.push_back(row.rows[i]);
+      right.push_back(predicted[i] == row.labels[i] ? 1.0 : 0.0);
     }
-    Random random(seed(), "resamples of accuracy");
-    figures_["accuracy"].interval = CentralInterval(ResampledMeans(right, kResamples, random));
+    if (labelled.empty()) return;
+    const Eigen::Map<const Eigen::VectorXd> values(right.data(), static_cast<Eigen::Index>(right.size()));
+    figures_["accuracy"].sampled = IntervalOfShare(values, Sample(labelled));
   }
 
   Status AddSpread(const ScoredRows& row, int repetition) {
     Random random(seed(), "pairs", std::to_string(repetition));
-    const IndexPairs any = DrawDiversityPairs(static_cast<int>(row.rows.size()),
-                                              static_cast<int>(options_.metrics.diversity_pairs), random);
-    figures_["diversity"].values.push_back(MeanDistance(row.features, any));
+    const auto pairs = static_cast<int>(options_.metrics.diversity_pairs);
+    const IndexPairs any = DrawDiversityPairs(static_cast<int>(row.rows.size()), pairs, random);
+    const double diversity = MeanDistance(row.features, any);
+    figures_["diversity"].values.push_back(diversity);
+    if (repetition == 0) within_labels_ = AddPairDistances(Sample(DistinctClips(row_, row.rows)), pairs, figures_);
     const bool all = options_.metrics.divisor == MultimodalityDivisor::kAll;
-    if (labelled_ == 0 || (absent_ > 0 && !all)) return {};
+    if (labelled_ == 0 || (absent_ > 0 && !all)) {
+      figures_["multimodality"].why = labelled_ == 0 ? "no_labels" : "class_without_motions";
+      return {};
+    }
     const auto quota = static_cast<int>(options_.metrics.multimodality_quota);
     const IndexPairs same = DrawMultimodalityPairs(row.labels, row_.class_count(), quota, random);
     const double whole = static_cast<double>(quota) * row_.class_count();
     if (!all && static_cast<double>(same.size()) < whole) {
       if (repetition == 0) {
+        figures_["multimodality"].why = "class_without_motions";
         Warn("class_without_motions",
              "a repetition drew no motion of a class: multimodality is null; draw more motions");
       }
       return {};
     }
-    const double mean = MeanDistance(row.features, same);
-    figures_["multimodality"].values.push_back(mean * static_cast<double>(same.size()) / whole);
+    if (OneEach(row.labels)) {
+      figures_["multimodality"].why = "one_motion_of_a_class";
+      return {};
+    }
+    const double weight = static_cast<double>(same.size()) / whole;
+    figures_["multimodality"].values.push_back(MeanDistance(row.features, same) * weight);
+    if (repetition == 0 && weight == 1.0 && within_labels_) {
+      figures_["multimodality"].sampled =
+          within_labels_->About(figures_["multimodality"].values.front(), static_cast<int>(same.size()));
+    }
     return {};
+  }
+
+  /// Whether no class has two motions: every pair would be a motion with itself.
+  static bool OneEach(std::vector<int> labels) {
+    labels.erase(std::remove(labels.begin(), labels.end(), -1), labels.end());
+    std::sort(labels.begin(), labels.end());
+    return std::adjacent_find(labels.begin(), labels.end()) == labels.end();
   }
 
   void AddQuality(const ScoredRows& row) {
     for (const auto& [name, values] : row_.quality) {
-      std::vector<double> own;
+      std::vector<int> measured;
       for (const int at : row.rows) {
-        if (values[static_cast<std::size_t>(at)] >= 0.0) own.push_back(values[static_cast<std::size_t>(at)]);
+        if (values[static_cast<std::size_t>(at)] >= 0.0) measured.push_back(at);
       }
-      if (own.empty()) continue;
-      const double mean = std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
-      Random random(seed(), "resamples of quality", name);
-      figures_[name] = {{mean}, CentralInterval(ResampledMeans(own, kResamples, random))};
+      if (measured.empty()) continue;
+      Eigen::VectorXd own(static_cast<Eigen::Index>(measured.size()));
+      for (std::size_t i = 0; i < measured.size(); ++i) {
+        own(static_cast<Eigen::Index>(i)) = values[static_cast<std::size_t>(measured[i])];
+      }
+      figures_[name].values = {own.mean()};
+      figures_[name].sampled = IntervalOfMean(own, Sample(measured));
     }
   }
 
-  Status AddDistances(const std::string& name, const Features& row, const Features& reference, int repetition) {
+  Status AddFid(const std::string& name, const Features& row, const Features& reference, int repetition) {
+    if (std::min(row.rows(), reference.rows()) < 2) {
+      figures_[name].why = "too_few_motions";
+      return {};
+    }
     const auto distance = FidOf(row, reference);
     if (!distance) return Forward(distance);
     figures_[name].values.push_back(*distance);
@@ -285,68 +310,14 @@ class RowScore {
                                   " features: the covariance is rank-deficient and FID is biased upwards; use KID, or "
                                   "score more motions");
     }
-    figures_[name].interval = ResampledFid(name, row, reference);
     return {};
   }
 
-  /// Metrics beside the papers', of the first repetition.
-  void AddNeighbours(const Features& row, const Features& reference) {
-    Random random(seed(), "subsets of KID");
-    if (const auto kid = KernelDistance(row, reference, kKidSubsets, kKidSize, random)) {
-      figures_["KID"].values = {*kid};
-    }
-    if (const auto near = CompareNeighbours(row, reference, kNeighbours)) {
-      figures_["density"].values = {near->density};
-      figures_["coverage"].values = {near->coverage};
-      figures_["nearest_train"].values = {near->nearest};
-    }
-  }
-
-  /// 95 % interval of the FIDs of resampled motions, shifted to remove the bias of resampling (repeated rows).
-  std::optional<std::array<double, 2>> ResampledFid(const std::string& name, const Features& row,
-                                                    const Features& reference) const {
-    if (row.cols() > kLargestResampled) return std::nullopt;
-    Random random(seed(), "resamples of " + name);
-    std::vector<double> values;
-    const auto resample = [&](const Features& features) {
-      std::vector<int> rows(static_cast<std::size_t>(features.rows()));
-      for (int& at : rows) at = static_cast<int>(random.Below(static_cast<std::uint64_t>(features.rows())));
-      return RowsAt(features, rows);
-    };
-    for (int i = 0; i < kResamples; ++i) {
-      const Features a = resample(row), b = resample(reference);
-      if (const auto value = FidOf(a, b)) values.push_back(*value);
-    }
-    if (values.size() < 2) return std::nullopt;
-    const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-    const double seen = figures_.at(name).values.front();
-    auto interval = *CentralInterval(std::move(values));
-    for (double& end : interval) end = std::max(0.0, end - mean + seen);
-    return interval;
-  }
-
   nlohmann::json Json() const {
-    const std::vector<std::string> names = MetricNames();
     nlohmann::json metrics = nlohmann::json::object();
-    for (const std::string& name : names) {
+    for (const std::string& name : MetricNames()) {
       const auto figure = figures_.find(name);
-      if (figure == figures_.end() || figure->second.values.empty()) {
-        metrics[name] = {{"value", nullptr}, {"interval", nullptr}, {"interval_kind", nullptr}};
-        continue;
-      }
-      const std::vector<double>& values = figure->second.values;
-      const Summary summary = Summarise(values, options_.draw.interval);
-      nlohmann::json one = {{"value", summary.mean}, {"interval", nullptr}, {"interval_kind", nullptr}};
-      if (values.size() > 1) {
-        one["interval"] = {summary.mean - summary.half_width, summary.mean + summary.half_width};
-        one["interval_kind"] = Name(options_.draw.interval);
-        one["repetitions"] = values;
-      } else if (figure->second.interval) {
-        one["interval"] = *figure->second.interval;
-        one["interval_kind"] = Name(IntervalKind::kBootstrap);
-      }
-      if (figure->second.interval) one["bootstrap_95"] = *figure->second.interval;
-      metrics[name] = std::move(one);
+      metrics[name] = JsonOf(figure == figures_.end() ? Figure() : figure->second, options_.draw.interval);
     }
     nlohmann::json json = {{"name", options_.name}, {"real", real()},        {"motions", motions_},
                            {"metrics", metrics},    {"warnings", warnings_}, {"assumed", nlohmann::json::array()}};
@@ -361,17 +332,46 @@ class RowScore {
     return json;
   }
 
-  static std::vector<std::string> MetricNames() {
-    return {"FID_train",         "FID_test", "accuracy",    "accuracy_top5",    "accuracy_equivalent", "diversity",
-            "multimodality",     "KID",      "density",     "coverage",         "nearest_train",       "foot_skate",
-            "floor_penetration", "jerk",     "bone_spread", "limit_violations", "frozen_share"};
+  /// Every row has these, null where they cannot be computed, and the other measures that it has.
+  std::set<std::string> MetricNames() const {
+    std::set<std::string> names = {"FID_train",
+                                   "FID_test",
+                                   "FID_equal",
+                                   "FID_inf",
+                                   "FID_normalised",
+                                   "KID",
+                                   "accuracy",
+                                   "accuracy_top5",
+                                   "accuracy_equivalent",
+                                   "accuracy_top5_equivalent",
+                                   "diversity",
+                                   "multimodality",
+                                   "APD",
+                                   "ACPD",
+                                   "density",
+                                   "coverage",
+                                   "precision",
+                                   "recall",
+                                   "nearest_train",
+                                   "memorised",
+                                   "movement",
+                                   "movement_of_real",
+                                   "foot_skate",
+                                   "floor_penetration",
+                                   "jerk",
+                                   "bone_spread",
+                                   "limit_violations",
+                                   "frozen_share"};
+    for (const auto& [name, figure] : figures_) names.insert(name);
+    return names;
   }
 
   const ScoreOptions& options_;
   const FeatureSet& row_;
   const References& references_;
   EquivalentClasses equivalent_;
-  std::map<std::string, Figure> figures_;
+  Figures figures_;
+  std::optional<PairDistances> within_labels_;  ///< of the first repetition
   Eigen::MatrixXi confusion_;
   nlohmann::json warnings_ = nlohmann::json::array();
   int motions_ = 0;
@@ -404,48 +404,20 @@ Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet&
 
 Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
                                      const FeatureSet& reference) {
-  const auto seed = static_cast<std::uint64_t>(options.seed);
   nlohmann::json metrics = nlohmann::json::object();
-  if (options.draw.repetitions > 1) {
-    std::vector<double> first, second;
-    for (int r = 0; r < static_cast<int>(options.draw.repetitions); ++r) {
-      const Features against = RowsOfRepetition(reference, options.draw, seed, r, "reference").features;
-      const auto of_a = FidOf(RowsOfRepetition(a, options.draw, seed, r, "generated").features, against);
-      const auto of_b = FidOf(RowsOfRepetition(b, options.draw, seed, r, "generated").features, against);
-      if (!of_a) return Forward(of_a);
-      if (!of_b) return Forward(of_b);
-      first.push_back(*of_a);
-      second.push_back(*of_b);
-    }
-    Random random(seed, "signs");
-    const auto mean = [](const std::vector<double>& values) {
-      return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-    };
-    metrics["FID_train"] = {{"difference", mean(first) - mean(second)}, {"p", nullptr}};
-    if (options.fresh) metrics["FID_train"]["p"] = PairedSignTest(first, second, kSignChanges, random);
-    return metrics;
-  }
-  if (a.count() != b.count() || a.feature_size > kLargestResampled) return metrics;
-  std::vector<int> all(static_cast<std::size_t>(a.count()));
-  std::iota(all.begin(), all.end(), 0);
-  const Features first = Gather(a, all), second = Gather(b, all);
-  std::vector<int> of_reference(static_cast<std::size_t>(reference.count()));
-  std::iota(of_reference.begin(), of_reference.end(), 0);
-  const auto against = StatisticsOf(Gather(reference, of_reference));
-  if (!against) return Forward(against);
-  const auto difference = [&](const std::vector<bool>& exchanged) {
-    Features x = first, y = second;
-    for (std::size_t i = 0; i < exchanged.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      if (exchanged[i]) x.row(at).swap(y.row(at));
-    }
-    const auto of_x = StatisticsOf(x), of_y = StatisticsOf(y);
-    if (!of_x || !of_y) return 0.0;
-    return FrechetDistance(*of_x, *against).value_or(0.0) - FrechetDistance(*of_y, *against).value_or(0.0);
+  if (a.feature_size > kLargestResampled) return metrics;
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  const auto sample = [&](const FeatureSet& set, const char* purpose, bool real) {
+    const ScoredRows rows = RowsOfRepetition(set, options.draw, seed, 0, purpose);
+    return SampleOf(set, DistinctClips(set, rows.rows), real);
   };
+  const FeatureSample first = sample(a, "generated", false), second = sample(b, "generated", false);
+  if (std::min(first.count(), second.count()) < 2) return metrics;
   Random random(seed, "exchanges");
-  metrics["FID_train"] = {{"difference", difference(std::vector<bool>(all.size(), false))},
-                          {"p", PairedExchangeTest(a.count(), kResamples, difference, random)}};
+  const auto compared =
+      DifferenceOfFids(first, second, sample(reference, "reference", true).features, kExchanges, random);
+  if (!compared) return Forward(compared);
+  metrics["FID_train"] = {{"difference", compared->difference}, {"p", compared->p}, {"motions", compared->motions}};
   return metrics;
 }
 

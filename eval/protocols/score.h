@@ -26,17 +26,14 @@ struct References {
   const FeatureSet* test = nullptr;
 };
 
-/// All metrics of one row: {"name", "motions", "metrics": {NAME: {"value", "interval": [low, high] or null,
-/// "interval_kind", "repetitions": [...],
-/// "bootstrap_95": of the first repetition's motions}}, "assumed": [codes], "confusion": (C,C), "warnings": [{"code",
-/// "message"}]}. A metric that cannot be computed has the value null: FID and its like without a reference,
-/// multimodality where a class has no motions, accuracy without labels. Errors: features of another dimension; a number
-/// that is not finite.
+/// All metrics of one row: {"name", "motions", "metrics": {NAME: as of JsonOf(Figure)}, "assumed": [codes],
+/// "confusion": (C,C), "warnings": [{"code", "message"}]}. A metric that cannot be computed has the value null and
+/// "why": FID and its like without a reference or with too few motions, multimodality where a class has no motions or
+/// every class one, accuracy without labels. Errors: features of another dimension; a number that is not finite.
 Expected<nlohmann::json> ScoreRow(const ScoreOptions& options, const FeatureSet& row, const References& references);
 
-/// Compares two rows: {"a", "b", "metrics": {NAME: {"difference", "p"}}}, by exchanging motions of equal index between
-/// the rows (nothing drawn) or signs of the repetitions' differences. p is null where repetitions score the same
-/// motions, because these are not independent samples.
+/// Compares the motions of two rows, and so these checkpoints, not the methods that trained them: {"FID_train":
+/// {"difference", "p", "motions": of each row}} by DifferenceOfFids; empty for more than kLargestResampled features.
 Expected<nlohmann::json> CompareRows(const ScoreOptions& options, const FeatureSet& a, const FeatureSet& b,
                                      const FeatureSet& reference);
 

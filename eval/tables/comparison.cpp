@@ -48,7 +48,7 @@ const nlohmann::json* ValueOf(const nlohmann::json& published, const std::string
 }
 
 /// Ours divided by the published number, its interval likewise. ACTOR's +- is 1.96 times a variance and not an
-/// interval: resampling replaces it.
+/// interval: the sampled one replaces it.
 Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, double published) {
   Table::Cell ratio;
   if (!ours.value || published == 0.0) return ratio;
@@ -56,10 +56,12 @@ Table::Cell RatioOf(const Table::Cell& ours, const nlohmann::json& metric, doubl
   std::optional<std::array<double, 2>> interval = ours.interval;
   ratio.interval_kind = ours.interval_kind;
   if (ours.interval_kind == Name(IntervalKind::kActor)) {
-    const nlohmann::json resampled = metric.value("bootstrap_95", nlohmann::json());
+    const nlohmann::json sampled = metric.value("sampled", nlohmann::json());
     interval.reset();
-    if (resampled.is_array()) interval = resampled.get<std::array<double, 2>>();
-    ratio.interval_kind = Name(IntervalKind::kBootstrap);
+    if (sampled.is_object()) {
+      interval = sampled.at("interval").get<std::array<double, 2>>();
+      ratio.interval_kind = sampled.at("kind").get<std::string>();
+    }
   }
   if (interval) ratio.interval = {(*interval)[0] / published, (*interval)[1] / published};
   return ratio;
@@ -74,9 +76,44 @@ struct Pair {
   double ours, published;
 };
 
+/// Share of all orders of rows with at least `as_published` pairs in the published order. `ties`: sizes of the groups
+/// of equal published numbers. By the q-multinomial coefficient, whose k-th term counts orders with k such pairs.
+/// [Kendall 1938; ties as MacMahon 1913]
+double ChanceOfOrder(int as_published, const std::map<double, int>& ties) {
+  int rows = 0;
+  for (const auto& [published, size] : ties) rows += size;
+  const auto terms = static_cast<std::size_t>(rows * (rows - 1) / 2 + 1);
+  std::vector<double> orders(terms, 0.0);
+  orders[0] = 1.0;
+  const auto multiply = [&](std::size_t power) {  // by 1 - q^power
+    for (std::size_t k = terms; k-- > power;) orders[k] -= orders[k - power];
+  };
+  const auto divide = [&](std::size_t power) {
+    for (std::size_t k = power; k < terms; ++k) orders[k] += orders[k - power];
+  };
+  for (std::size_t i = 1; i <= static_cast<std::size_t>(rows); ++i) {
+    multiply(i);
+    divide(1);
+  }
+  for (const auto& [published, size] : ties) {
+    for (std::size_t i = 1; i <= static_cast<std::size_t>(size); ++i) {
+      multiply(1);
+      divide(i);
+    }
+  }
+  double all = 0.0, as_many = 0.0;
+  for (std::size_t k = 0; k < terms; ++k) {
+    all += orders[k];
+    if (k >= static_cast<std::size_t>(as_published)) as_many += orders[k];
+  }
+  return as_many / all;
+}
+
 /// How many pairs of rows are in the published order; pairs of equal published numbers do not count.
 nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
   int pairs = 0, same = 0, equal = 0;
+  std::map<double, int> ties;
+  for (const Pair& one : numbers) ++ties[one.published];
   for (std::size_t a = 0; a < numbers.size(); ++a) {
     for (std::size_t b = a + 1; b < numbers.size(); ++b) {
       const double published = numbers[a].published - numbers[b].published;
@@ -87,7 +124,7 @@ nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
       if (ours == 0.0) ++equal;
     }
   }
-  return {{"pairs", pairs}, {"as_published", same}, {"equal", equal}};
+  return {{"pairs", pairs}, {"as_published", same}, {"equal", equal}, {"p", ChanceOfOrder(same, ties)}};
 }
 
 /// Columns of the comparison: metrics that something was published of, and the distance to the training motions; where
@@ -134,11 +171,13 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     table.columns.emplace_back(std::string(column->title) + ", ours / published");
     table.digits.push_back(2);
   }
+  const bool same_features = result.value("published_features", false);
+  bool without_ratio = false;
   std::map<std::string, std::vector<Pair>> pairs;
   std::set<std::string> shown;
   const auto add = [&](const std::string& name, const std::string& profile, const nlohmann::json& metrics,
-                       const std::optional<std::string>& method, bool unordered, bool unconverged) {
-    Table::Row row{name + (profile.empty() ? "" : " [" + profile + "]"), {}, "", unconverged};
+                       const std::optional<std::string>& method, bool unordered, bool unconverged, bool given) {
+    Table::Row row{name + (profile.empty() ? "" : " [" + profile + "]"), {}, "", unconverged, given};
     nlohmann::json compared = nlohmann::json::object();
     for (const MetricColumn* column : columns) {
       const nlohmann::json metric = metrics.value(column->key, nlohmann::json());
@@ -152,14 +191,21 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
               {"published_pm", nullptr},
               {"pm_kind", nullptr},
               {"ratio", nullptr},
-              {"ratio_interval", nullptr}};
+              {"ratio_interval", nullptr},
+              {"why_no_ratio", nullptr}};
       if (!is_published(column)) continue;
       const nlohmann::json* value = method ? ValueOf(published, *method, column->key) : nullptr;
       if (value == nullptr) {
         row.cells.resize(row.cells.size() + 2);
         continue;
       }
-      const Table::Cell theirs = PublishedCell(*value), ratio = RatioOf(ours, metric, *theirs.value);
+      const Table::Cell theirs = PublishedCell(*value);
+      const bool other = column->of_features && !same_features;
+      const Table::Cell ratio = other ? Table::Cell() : RatioOf(ours, metric, *theirs.value);
+      if (other && ours.value) {
+        json["why_no_ratio"] = "other_features";
+        without_ratio = true;
+      }
       row.cells.push_back(theirs);
       row.cells.push_back(ratio);
       json["published"] = *theirs.value;
@@ -184,10 +230,16 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
       table.notes.push_back(name + " is compared with the published " + *method + ".");
     }
     add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
-        row.contains("profile") || row.value("real", IsRealMethod(name)), row.contains("unconverged"));
+        row.contains("profile") || row.contains("given") || row.value("real", IsRealMethod(name)),
+        row.contains("unconverged"), row.contains("given"));
   }
   for (const std::string& method : in_order) {
-    if (shown.count(method) == 0) add(method, "", nlohmann::json::object(), method, IsRealMethod(method), false);
+    if (shown.count(method) == 0) add(method, "", nlohmann::json::object(), method, IsRealMethod(method), false, false);
+  }
+  if (without_ratio) {
+    table.notes.emplace_back(
+        "No ratio to the published numbers: ours are of another recogniser or other data, and features of two "
+        "recognisers have no common scale.");
   }
   for (const MetricColumn* column : columns) {
     const auto numbers = pairs.find(column->key);
@@ -197,7 +249,9 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     order["metric"] = column->key;
     table.notes.push_back(std::string(column->title) + ": " + order.at("as_published").dump() + " of " +
                           order.at("pairs").dump() + " pairs of rows are in the published order" +
-                          (order.at("equal") == 0 ? "." : ", ours are equal in " + order.at("equal").dump() + "."));
+                          (order.at("equal") == 0 ? "" : ", ours are equal in " + order.at("equal").dump()) +
+                          "; an order by chance has as many with p " + RoundedText(order.at("p").get<double>(), 3) +
+                          ".");
     comparison.order.push_back(std::move(order));
   }
   for (const nlohmann::json& value : published) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/text.h"
 #include "eval/metrics/interval.h"
 
 namespace mocurate {
@@ -88,30 +89,60 @@ std::vector<std::string> AssumptionNotes(const nlohmann::json& result) {
   return notes;
 }
 
+/// An entry of OrdersOfSeeds as a sentence.
+std::string OrderNote(const nlohmann::json& order) {
+  const auto& columns = MetricColumns();
+  const auto column = std::find_if(columns.begin(), columns.end(),
+                                   [&](const MetricColumn& one) { return order.at("metric") == one.key; });
+  return std::string(column->title) + ": " + order.at("better").get<std::string>() + " before " +
+         order.at("worse").get<std::string>() + ", " + order.at("seeds")[0].dump() + " and " +
+         order.at("seeds")[1].dump() + " trainings, p " + RoundedText(order.at("p").get<double>(), 3) +
+         ", of all pairs " + RoundedText(order.at("p_holm").get<double>(), 3) + " (Holm).";
+}
+
 }  // namespace
 
 const std::vector<MetricColumn>& MetricColumns() {
   static const std::vector<MetricColumn> kColumns = {
-      {"FID_train", "FID train ↓", 3, Better::kLess},
-      {"FID_test", "FID test ↓", 3, Better::kLess},
-      {"accuracy", "Accuracy ↑", 3, Better::kMore},
-      {"accuracy_denoised", "Accuracy, denoised ↑", 3, Better::kMore},
-      {"accuracy_top5", "Top-5 ↑", 3, Better::kMore},
-      {"accuracy_equivalent", "Accuracy, equivalent labels ↑", 3, Better::kMore},
-      {"diversity", "Diversity →", 3, Better::kNearReal},
-      {"multimodality", "Multimodality →", 3, Better::kNearReal},
-      {"KID", "KID ↓", 4, Better::kLess},
-      {"density", "Density →", 3, Better::kNearReal},
-      {"coverage", "Coverage ↑", 3, Better::kMore},
-      {"nearest_train", "Nearest in train →", 3, Better::kNearReal},
-      {"foot_skate", "Foot skate, m/s ↓", 3, Better::kLess},
-      {"floor_penetration", "Below floor, m ↓", 4, Better::kLess},
-      {"jerk", "Jerk, m/s³", 1, Better::kNone},
-      {"bone_spread", "Bone spread, m ↓", 4, Better::kLess},
-      {"limit_violations", "Beyond limits ↓", 4, Better::kLess},
-      {"frozen_share", "Frozen ↓", 3, Better::kLess},
-      {"parameters", "Parameters", 0, Better::kNone},
-      {"clips", "Clips", 0, Better::kNone}};
+      {"FID_train", "FID train ↓", 3, Better::kLess, true},
+      {"FID_test", "FID test ↓", 3, Better::kLess, true},
+      {"FID_equal", "FID, equal sizes ↓", 3, Better::kLess, true},
+      {"FID_inf", "FID, unbiased ↓", 3, Better::kLess, true},
+      {"FID_normalised", "FID, normalised ↓", 4, Better::kLess, true},
+      {"FID_train_published", "FID train, published recogniser ↓", 3, Better::kLess, true},
+      {"accuracy_published", "Accuracy, published recogniser ↑", 3, Better::kMore, true},
+      {"accuracy", "Accuracy ↑", 3, Better::kMore, true},
+      {"accuracy_denoised", "Accuracy, denoised ↑", 3, Better::kMore, true},
+      {"accuracy_top5", "Top-5 ↑", 3, Better::kMore, true},
+      {"accuracy_equivalent", "Accuracy, equivalent labels ↑", 3, Better::kMore, true},
+      {"accuracy_top5_equivalent", "Top-5, equivalent labels ↑", 3, Better::kMore, true},
+      {"diversity", "Diversity →", 3, Better::kNearReal, true},
+      {"multimodality", "Multimodality →", 3, Better::kNearReal, true},
+      {"KID", "KID ↓", 4, Better::kLess, true},
+      {"density", "Density →", 3, Better::kNearReal, true},
+      {"coverage", "Coverage ↑", 3, Better::kMore, true},
+      {"precision", "Precision ↑", 3, Better::kMore, true},
+      {"recall", "Recall ↑", 3, Better::kMore, true},
+      {"nearest_train", "Nearest in train →", 3, Better::kNearReal, true},
+      {"APD", "APD →", 3, Better::kNearReal, true},
+      {"ACPD", "ACPD →", 3, Better::kNearReal, true},
+      {"movement_of_real", "Movement, of real →", 2, Better::kNearReal, false},
+      {"peak_jerk", "Peak jerk, m/s³ →", 0, Better::kNearReal, false},
+      {"jerk_area", "Jerk area, m/s² →", 1, Better::kNearReal, false},
+      {"mbench_slide", "MBench slide, mm/frame ↓", 2, Better::kLess, false},
+      {"mbench_float", "MBench float ↓", 3, Better::kLess, false},
+      {"mbench_jitter", "MBench jitter, mm/frame² ↓", 2, Better::kLess, false},
+      {"mbench_dynamic", "MBench dynamic, mm/frame →", 2, Better::kNearReal, false},
+      {"mbench_penetration", "MBench penetration, mm ↓", 2, Better::kLess, false},
+      {"movement", "Movement, m/s →", 3, Better::kNearReal, false},
+      {"foot_skate", "Foot skate, m/s ↓", 3, Better::kLess, false},
+      {"floor_penetration", "Below floor, m ↓", 4, Better::kLess, false},
+      {"jerk", "Jerk, m/s³", 1, Better::kNone, false},
+      {"bone_spread", "Bone spread, m ↓", 4, Better::kLess, false},
+      {"limit_violations", "Beyond limits ↓", 4, Better::kLess, false},
+      {"frozen_share", "Frozen ↓", 3, Better::kLess, false},
+      {"parameters", "Parameters", 0, Better::kNone, false},
+      {"clips", "Clips", 0, Better::kNone, false}};
   return kColumns;
 }
 
@@ -152,7 +183,11 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
     table.digits.push_back(column.digits);
   }
   for (const nlohmann::json& row : result.at("rows")) {
-    Table::Row ours{row.at("name").get<std::string>(), {}, "", row.contains("unconverged")};
+    Table::Row ours{row.at("name").get<std::string>(),
+                    {},
+                    "",
+                    row.contains("unconverged"),
+                    row.value("given", "") == kGivenFirstPose};
     const nlohmann::json metrics = row.value("metrics", nlohmann::json::object());
     for (const MetricColumn* column : columns)
       ours.cells.push_back(CellOf(metrics.value(column->key, nlohmann::json())));
@@ -166,6 +201,9 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   table.rows.insert(table.rows.end(), published.begin(), published.end());
   table.notes = result.value("notes", std::vector<std::string>());
   for (const std::string& note : AssumptionNotes(result)) table.notes.push_back(note);
+  for (const nlohmann::json& order : result.value("orders", nlohmann::json::array())) {
+    table.notes.push_back(OrderNote(order));
+  }
   for (const nlohmann::json& row : result.at("rows")) {
     if (!row.contains("unconverged")) continue;
     table.notes.push_back(row.at("name").get<std::string>() + " ‡: " + row["unconverged"].get<std::string>() + ".");

@@ -13,12 +13,16 @@ namespace mocurate {
 /// Direction in which a metric is better; kNearReal: near that of real motions.
 enum class Better { kLess, kMore, kNearReal, kNone };
 
+/// Value of a row's "given" where each motion began with the first pose of a real one: not ranked.
+inline constexpr const char* kGivenFirstPose = "first_pose";
+
 /// A metric as a column of tables.
 struct MetricColumn {
   const char* key;
   const char* title;  ///< with an arrow towards better values
   int digits;
   Better better;
+  bool of_features;  ///< depends on a recogniser: numbers of two recognisers have no ratio
 };
 
 /// All metrics, in the order of columns.

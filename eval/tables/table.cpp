@@ -34,11 +34,15 @@ std::vector<std::string> Meanings(const Table& table) {
       {"student_95", "± (student_95) is the half-width of the 95 % interval of the mean, Student t"},
       {"a2m_1.96_sd_over_sqrt_n", "± (a2m) is 1.96 sd / sqrt(repetitions), as Action2Motion prints it"},
       {"actor_1.96_variance", "± (actor) is 1.96 times the variance, as ACTOR prints it: not an interval"},
-      {"bootstrap_95", "± (bootstrap_95) is half the width of the 95 % interval by resampling"}};
+      {"motions_95", "± (motions_95) is half the width of the 95 % interval over other motions"},
+      {"persons_95", "± (persons_95) is half the width of the 95 % interval over other persons"},
+      {"range_of_seeds", "± (range_of_seeds) is half the range of the seeds' trainings about their mean"},
+      {"spread", "± (spread) is of these motions: fewer than 10 persons, or persons that are not known"}};
   std::vector<std::string> meanings;
-  bool marked = false, unconverged = false;
+  bool marked = false, unconverged = false, given_pose = false;
   for (const Table::Row& row : table.rows) {
     unconverged = unconverged || row.unconverged;
+    given_pose = given_pose || row.given_pose;
     for (const Table::Cell& cell : row.cells) {
       marked = marked || cell.marked;
       for (const auto& [kind, meaning] : kMeanings) {
@@ -50,6 +54,7 @@ std::vector<std::string> Meanings(const Table& table) {
   }
   if (marked) meanings.emplace_back("† lies outside the published interval");
   if (unconverged) meanings.emplace_back("‡ has not converged: longer training may change the values");
+  if (given_pose) meanings.emplace_back("§ was given the first pose of a real motion: not ranked");
   return meanings;
 }
 
@@ -74,6 +79,7 @@ std::string LatexText(std::string_view text) {
                                                                          {"±", "$\\pm$"},
                                                                          {"†", "$\\dagger$"},
                                                                          {"‡", "$\\ddagger$"},
+                                                                         {"§", "\\S{}"},
                                                                          {"\n", " "},
                                                                          {"\r", " "}};
   std::string escaped;
@@ -95,7 +101,7 @@ std::vector<std::vector<std::string>> CellTexts(const Table& table) {
   texts[0].insert(texts[0].end(), table.columns.begin(), table.columns.end());
   for (const Table::Row& row : table.rows) {
     const std::string source = row.source.empty() ? "" : " (" + row.source + ")";
-    texts.push_back({row.name + (row.unconverged ? " ‡" : "") + source});
+    texts.push_back({row.name + (row.unconverged ? " ‡" : "") + (row.given_pose ? " §" : "") + source});
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];
       texts.back().push_back(cell.value ? CellText(cell, table.digits[c], " ± ", "†") : "-");
@@ -162,7 +168,7 @@ std::string ToLatex(const Table& table) {
   for (const Table::Row& row : table.rows) {
     if (!row.source.empty() && !published) text += "\\midrule\n";
     published = published || !row.source.empty();
-    text += LatexText(row.name) + (row.unconverged ? "$^\\ddagger$" : "") +
+    text += LatexText(row.name) + (row.unconverged ? "$^\\ddagger$" : "") + (row.given_pose ? "$^\\S$" : "") +
             (row.source.empty() ? "" : " (" + LatexText(row.source) + ")");
     for (std::size_t c = 0; c < table.columns.size(); ++c) {
       const Table::Cell& cell = row.cells[c];

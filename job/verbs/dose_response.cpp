@@ -125,7 +125,7 @@ void AddDoseResponse(const std::vector<DoseSeries>& series, nlohmann::json& resu
   for (const nlohmann::json& warning : result.at("warnings")) {
     const std::string code = warning.at("code").get<std::string>(), row = warning.at("row").get<std::string>();
     const bool of_dose = !row.empty() && row != "Real" && row != "Real-test";
-    const bool known = code == "motions_are_the_real_ones" || code == "fewer_than_protocol";
+    const bool known = code == "motions_are_the_real_ones" || code == "fewer_than_protocol" || code == "memorised";
     const bool first = codes.insert(code).second;
     if (known || (of_dose && !first)) continue;
     kept.push_back(warning);

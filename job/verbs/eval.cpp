@@ -290,6 +290,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   evaluation.weights = {"weights", plan->weights.filename().string(), plan->weights, ""};
   evaluation.draw = plan->protocol.draw();
   evaluation.metrics = plan->protocol.metrics;
+  evaluation.measures = plan->protocol.measures;
   evaluation.equivalent = plan->protocol.equivalent;
   evaluation.seed = plan->protocol.seed;
   evaluation.protocol_motions = plan->protocol.released.motions;

@@ -39,7 +39,7 @@ FeaturesOptions OfMotions(std::int64_t motions) {
 std::vector<int> AllRows(const Dataset& dataset) { return *RowsOfPart(dataset, RealPart::kAll); }
 
 std::vector<MotionRequest> Draw(const Dataset& dataset, const FeaturesOptions& options, int repetition) {
-  return DrawRequests(dataset, AllRows(dataset), options, kFrames, repetition);
+  return DrawRequests(dataset, AllRows(dataset), *TrainingRows(dataset), options, kFrames, repetition);
 }
 
 std::vector<double> LabelShares(const std::vector<MotionRequest>& requests) {
@@ -93,6 +93,41 @@ TEST(Requests, CarryTheBoneLengthsOfARealClip) {
     sources.insert(request.source_clip);
   }
   EXPECT_GT(sources.size(), 30u);
+}
+
+TEST(Requests, TakeBonesAndFirstPosesFromTrainingClipsAlone) {
+  Dataset dataset = UnevenDataset();
+  Split split;
+  split.name = "held out";
+  for (int row = 0; row < static_cast<int>(dataset.clips.size()); ++row) {
+    (row % 3 == 0 ? split.train : row % 3 == 1 ? split.validation : split.test).push_back(row);
+  }
+  dataset.splits = {split};
+  std::set<std::string> training;
+  std::set<std::vector<double>> poses;
+  for (const int row : split.train) {
+    const Clip& clip = dataset.clips[static_cast<std::size_t>(row)];
+    training.insert(clip.id());
+    std::vector<double> pose;
+    for (int j = 0; j < 5; ++j) {
+      const Vector3d place = clip.motion->joints.at(0, j) - clip.motion->joints.at(0, 0);
+      pose.insert(pose.end(), {place.x(), place.y(), place.z()});
+    }
+    poses.insert(pose);
+  }
+  const std::vector<int> test = *RowsOfPart(dataset, RealPart::kTest);
+  const auto requests = DrawRequests(dataset, test, *TrainingRows(dataset), OfMotions(200), kFrames, 0);
+  for (const MotionRequest& request : requests) {
+    EXPECT_EQ(training.count(request.source_clip), 1U) << request.source_clip;
+    EXPECT_EQ(poses.count(request.first_pose), 1U);
+  }
+}
+
+TEST(Requests, WithoutReplacementAreAsManyAsTheRealMotions) {
+  FeaturesOptions options = OfMotions(3000);
+  options.replacement = false;
+  options.labels = LabelDraw::kNatural;
+  EXPECT_EQ(Draw(UnevenDataset(), options, 0).size(), UnevenDataset().clips.size());
 }
 
 TEST(Requests, AreTheSameForTheSameSeedAndRepetitionAndForNoOther) {

@@ -69,6 +69,13 @@ TEST_F(ToyEvaluation, RealMotionsAnsweredByAGeneratorScoreAsReal) {
   EXPECT_NEAR(ValueOf(answered, "diversity"), ValueOf(real, "diversity"), 0.15 * ValueOf(real, "diversity"));
   EXPECT_NEAR(ValueOf(answered, "nearest_train"), 0.0, 1e-3) << "copies of the training set";
   EXPECT_GT(ValueOf(answered, "coverage"), 0.9);
+  EXPECT_EQ(ValueOf(answered, "memorised"), 1.0);
+  EXPECT_EQ(answered["warnings"].back()["code"], "memorised");
+  const nlohmann::json& equal = answered["metrics"]["FID_equal"];
+  EXPECT_EQ(equal["real"], real["metrics"]["FID_equal"]["value"]) << "the same halves";
+  EXPECT_EQ(equal["motions"], dataset_.clips.size() / 2);
+  EXPECT_NEAR(equal["value"].get<double>(), equal["real"].get<double>(), equal["real_sd"].get<double>());
+  EXPECT_TRUE(real["metrics"]["FID_equal"]["p"].is_null());
 }
 
 TEST_F(ToyEvaluation, AFrozenPoseScoresMuchWorseThanRealMotions) {
@@ -79,13 +86,60 @@ TEST_F(ToyEvaluation, AFrozenPoseScoresMuchWorseThanRealMotions) {
   EXPECT_LT(ValueOf(frozen, "multimodality"), 1e-5);
   EXPECT_EQ(ValueOf(frozen, "frozen_share"), 1.0);
   EXPECT_EQ(ValueOf(frozen, "jerk"), 0.0);
+  EXPECT_EQ(ValueOf(frozen, "movement_of_real"), 0.0);
+  const nlohmann::json& warnings = frozen["warnings"];
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
+                          [](const nlohmann::json& warning) { return warning["code"] == "hardly_moves"; }));
 }
 
-TEST_F(ToyEvaluation, WhereNothingIsDrawnRealIsScoredInTwoHalvesWithIntervalsFromResampling) {
+TEST_F(ToyEvaluation, MBenchsMeasuresAndThoseOfTransitionsStandInTheirRowsAlone) {
+  FeaturesOptions options;
+  EXPECT_EQ(FeatureSetOf("dataset.h5", options).quality.count("mbench_jitter"), 0U);
+  options.measures = MeasureSet::kMBench;
+  const FeatureSet set = FeatureSetOf("dataset.h5", options);
+  EXPECT_EQ(set.quality.at("mbench_jitter").size(), dataset_.clips.size());
+  EXPECT_EQ(set.quality.count("peak_jerk"), 0U);
+}
+
+TEST_F(ToyEvaluation, TwoMotionsAreScoredAndSayWhatTheyAreTooFewFor) {
+  Dataset few = dataset_;
+  few.clips.resize(2);
+  few.splits.clear();
+  Save(few, "two.h5");
+  const FeatureSet set = FeatureSetOf("two.h5", FeaturesOptions());
+  ScoreOptions options;
+  options.name = "Real";
+  options.real = RealRow::kTrain;
+  const auto row = ScoreRow(options, set, {&set, nullptr});
+  ASSERT_TRUE(row) << row.error().Message();
+  for (const char* metric : {"FID_train", "FID_equal", "FID_inf", "KID", "coverage"}) {
+    EXPECT_EQ((*row)["metrics"][metric]["why"], "too_few_motions") << metric;
+    EXPECT_TRUE((*row)["metrics"][metric]["value"].is_null()) << metric;
+  }
+}
+
+TEST_F(ToyEvaluation, OneMotionOfAClassHasNoMultimodalityAndSaysWhy) {
+  Dataset few = dataset_;
+  few.clips.clear();
+  for (const Clip& clip : dataset_.clips) {
+    const bool there =
+        std::any_of(few.clips.begin(), few.clips.end(), [&](const Clip& other) { return other.label == clip.label; });
+    if (!there) few.clips.push_back(clip);
+  }
+  few.splits.clear();
+  Save(few, "one.h5");
+  const nlohmann::json metrics = ScoreOfSet("one.h5")["metrics"];
+  for (const char* metric : {"multimodality", "ACPD"}) {
+    EXPECT_TRUE(metrics[metric]["value"].is_null()) << metric;
+    EXPECT_EQ(metrics[metric]["why"], "one_motion_of_a_class") << metric;
+  }
+}
+
+TEST_F(ToyEvaluation, WhereNothingIsDrawnRealIsScoredInTwoHalves) {
   const nlohmann::json real = ScoreOfReal(DrawOptions());
   EXPECT_EQ(real.at("assumed"), nlohmann::json({"real_in_two_halves"}));
   const nlohmann::json& fid = real["metrics"]["FID_train"];
-  EXPECT_EQ(fid["interval_kind"], "bootstrap_95");
+  EXPECT_EQ(fid["interval_kind"], "spread") << "four persons";
   EXPECT_LE(fid["interval"][0].get<double>(), fid["value"].get<double>());
   EXPECT_GE(fid["interval"][1].get<double>(), fid["value"].get<double>());
   EXPECT_EQ(real["motions"], dataset_.clips.size());
@@ -133,7 +187,7 @@ TEST_F(ToyEvaluation, AClassWithoutMotionsIsAWarningAndItsMetricNull) {
   const nlohmann::json row = ScoreOfSet("lacking.h5");
   EXPECT_TRUE(row["metrics"]["multimodality"]["value"].is_null());
   EXPECT_TRUE(row["metrics"]["accuracy"]["value"].is_number());
-  ASSERT_EQ(row["warnings"].size(), 1u);
+  EXPECT_EQ(row["metrics"]["multimodality"]["why"], "class_without_motions");
   EXPECT_EQ(row["warnings"][0]["code"], "class_without_motions");
 }
 
@@ -173,6 +227,8 @@ TEST_F(ToyEvaluation, FewerMotionsThanFeaturesAreAWarningBesideTheFigure) {
   Save(few, "few.h5");
   const nlohmann::json row = ScoreOfSet("few.h5");
   EXPECT_TRUE(row["metrics"]["FID_train"]["value"].is_number());
+  EXPECT_EQ(row["metrics"]["FID_inf"]["why"], "too_few_motions");
+  EXPECT_TRUE(row["metrics"]["FID_inf"]["value"].is_null());
   EXPECT_TRUE(std::any_of(row["warnings"].begin(), row["warnings"].end(),
                           [](const nlohmann::json& warning) { return warning["code"] == "too_few_for_fid"; }));
 }

@@ -31,7 +31,7 @@ std::vector<int> EveryRow(const Dataset& set) {
 
 TEST(Scripts, AskForEachSampleOnceAfterItsOwnPreviousMotion) {
   const Dataset set = SampleDataset(1);
-  const auto requests = DrawScripts(set, EveryRow(set), Asking(ScriptDraw::kAfterSample), 0);
+  const auto requests = DrawScripts(set, EveryRow(set), EveryRow(set), Asking(ScriptDraw::kAfterSample), 0);
   ASSERT_TRUE(requests) << requests.error().Message();
   std::set<std::string> asked;
   for (const MotionRequest& request : *requests) {
@@ -50,7 +50,7 @@ TEST(Scripts, AskForEachSampleOnceAfterItsOwnPreviousMotion) {
 
 TEST(Scripts, AfterGeneratedMotionsHaveAClassAsPreviousAction) {
   const Dataset set = SampleDataset(2);  // every fourth previous action is "bow", no class
-  const auto requests = DrawScripts(set, EveryRow(set), Asking(ScriptDraw::kAfterGenerated), 0);
+  const auto requests = DrawScripts(set, EveryRow(set), EveryRow(set), Asking(ScriptDraw::kAfterGenerated), 0);
   ASSERT_TRUE(requests);
   for (const MotionRequest& request : *requests) {
     EXPECT_EQ(request.previous, nullptr);
@@ -64,9 +64,9 @@ TEST(Scripts, ChainsFollowWhatTheSamplesSay) {
   FeaturesOptions options = Asking(ScriptDraw::kChain, 50);
   options.steps = 5;
   options.step = 5;
-  const auto requests = DrawScripts(set, EveryRow(set), options, 0),
-             again = DrawScripts(set, EveryRow(set), options, 0);
-  const auto other = DrawScripts(set, EveryRow(set), options, 1);
+  const auto requests = DrawScripts(set, EveryRow(set), EveryRow(set), options, 0),
+             again = DrawScripts(set, EveryRow(set), EveryRow(set), options, 0);
+  const auto other = DrawScripts(set, EveryRow(set), EveryRow(set), options, 1);
   ASSERT_TRUE(requests && again && other);
   ASSERT_EQ(requests->size(), 50u);
   std::set<int> first;
@@ -87,12 +87,12 @@ TEST(Scripts, ChainsFollowWhatTheSamplesSay) {
   EXPECT_EQ(first.size(), 3u);
   EXPECT_TRUE(differs);
   options.step = 2;
-  EXPECT_EQ((*DrawScripts(set, EveryRow(set), options, 0))[7].script.size(), 1u);
+  EXPECT_EQ((*DrawScripts(set, EveryRow(set), EveryRow(set), options, 0))[7].script.size(), 1u);
 }
 
 TEST(Scripts, RefuseClipsThatAreNoSamples) {
   const Dataset set = TurningDataset(1);
-  const auto requests = DrawScripts(set, EveryRow(set), Asking(ScriptDraw::kAfterSample), 0);
+  const auto requests = DrawScripts(set, EveryRow(set), EveryRow(set), Asking(ScriptDraw::kAfterSample), 0);
   ASSERT_FALSE(requests);
   EXPECT_EQ(requests.error().code, ErrorCode::kInconsistent);
 }
