@@ -1,9 +1,11 @@
 #include "job/extractor_folder.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/base/links.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
@@ -17,6 +19,7 @@ constexpr const char* kSchema = "mocurate-extractor/1";
 constexpr const char* kWeights = "weights.safetensors";
 constexpr const char* kDescription = "extractor.yaml";
 constexpr const char* kManifest = "manifest.json";
+constexpr std::size_t kMostManifestBytes = 1 << 20;
 
 /// JSON texts and lists are YAML.
 std::string DescriptionOf(const Checkpoint& checkpoint, const std::string& name) {
@@ -81,8 +84,12 @@ Status WriteExtractorFolder(const Checkpoint& checkpoint, const std::string& nam
 
 Expected<ExtractorFolder> OpenExtractorFolder(const fs::path& folder) {
   const fs::path path = folder / kManifest;
-  const auto manifest = ReadJson(path);
-  if (!manifest) return Forward(manifest);
+  const auto text = ReadSmallFile(path, kMostManifestBytes);
+  if (!text) {
+    return Fail(text.error().code, text.error().what, DisplayPath(path),
+                "give a folder of mocurate export CHECKPOINT --layout extractor -o FOLDER");
+  }
+  const std::optional<nlohmann::json> manifest = nlohmann::json::parse(*text, nullptr, false);
   const auto malformed = [&](const std::string& what) {
     return Fail(ErrorCode::kMalformed, what, DisplayPath(path),
                 "write the folder again: mocurate export CHECKPOINT --layout extractor -o FOLDER");
@@ -94,9 +101,13 @@ Expected<ExtractorFolder> OpenExtractorFolder(const fs::path& folder) {
   }
   for (const char* file : {kWeights, kDescription}) {
     const nlohmann::json entry = manifest->at("files").value(file, nlohmann::json());
-    if (!entry.is_object() || !entry.value("sha256", nlohmann::json()).is_string()) {
+    const std::string stated = entry.is_object() && entry.value("sha256", nlohmann::json()).is_string()
+                                   ? entry["sha256"].get<std::string>()
+                                   : std::string();
+    if (stated.size() != 64 || stated.find_first_not_of("0123456789abcdef") != std::string::npos) {
       return malformed(std::string("it does not state the SHA-256 of ") + file);
     }
+    if (Status plain = CheckNotLink(folder / file); !plain) return Forward(plain);
     const auto digits = Sha256OfFile(folder / file);
     if (!digits) return Forward(digits);
     if (*digits == entry["sha256"]) continue;
@@ -104,7 +115,17 @@ Expected<ExtractorFolder> OpenExtractorFolder(const fs::path& folder) {
         ErrorCode::kInconsistent, "SHA-256 " + *digits + ", the manifest states " + entry["sha256"].get<std::string>(),
         DisplayPath(folder / file), "the file was changed or damaged: fetch the folder again, or export it again");
   }
-  return ExtractorFolder{(*manifest)["name"].get<std::string>(), folder / kWeights};
+  const std::string name = (*manifest)["name"].get<std::string>();
+  const auto checkpoint = ReadCheckpoint(folder / kWeights);
+  if (!checkpoint) return Forward(checkpoint);
+  const auto description = ReadSmallFile(folder / kDescription, kMostManifestBytes);
+  if (!description) return Forward(description);
+  if (checkpoint->skeleton == nullptr || *description != DescriptionOf(*checkpoint, name) ||
+      manifest->value("labels", nlohmann::json()) != checkpoint->labels) {
+    return Fail(ErrorCode::kInconsistent, "it does not describe the network of the weights",
+                DisplayPath(folder / kDescription), "export the folder again");
+  }
+  return ExtractorFolder{name, folder / kWeights};
 }
 
 }  // namespace mocurate

@@ -19,7 +19,7 @@ struct ExtractorFolder {
 };
 
 /// Error kMalformed for a manifest that is none; kNotFound for a file that is missing; kInconsistent for one whose
-/// content is not that of the manifest.
+/// content is not that of the manifest, or a description of another network than the weights'.
 Expected<ExtractorFolder> OpenExtractorFolder(const std::filesystem::path& folder);
 
 }  // namespace mocurate

@@ -7,6 +7,7 @@
 #include "core/base/file.h"
 #include "core/base/resources.h"
 #include "core/base/text.h"
+#include "core/motion/motion.h"
 #include "eval/published/published.h"
 #include "job/extractor_folder.h"
 #include "job/named_configs.h"
@@ -33,7 +34,9 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
   fs::path path(name);
   std::string own_name = "own";
   std::error_code unknown;
-  if (fs::is_directory(path, unknown)) {
+  const std::vector<std::string> known = NamesIn("extractors/");
+  const bool named = std::find(known.begin(), known.end(), name) != known.end();  // not a folder that is called so
+  if (!named && fs::is_directory(path, unknown)) {
     const auto folder = OpenExtractorFolder(path);
     if (!folder) return Forward(folder);
     path = folder->weights;
@@ -83,6 +86,8 @@ Expected<ExtractorOptions> LoadExtractor(const std::string& name, const std::vec
     options.skeleton = checkpoint->at("skeleton").at("name").get<std::string>();
   const nlohmann::json& trained = checkpoint->at("options");
   options.frames = trained.value("frames", options.frames);
+  const auto rate = FrameRate::Parse(checkpoint->at("facts").value("rate", std::string()));
+  if (rate) options.rate_hz = rate->hz();  // of arrays that state none
   options.length =
       trained.value("input", "crop") == std::string("resample") ? LengthRule::kResample : LengthRule::kCrop;
   options.real_root = given->real_root;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFootRests = 0.01;      // metres a frame
 constexpr double kFootInContact = 0.02;  // metres above the lowest foot
-constexpr double kTooDeep = 0.005;       // metres below height 0
+constexpr double kTooDeep = 0.005;       // metres below the lowest foot
 constexpr double kRootStep = 0.001;      // metres a frame: below, the root stands
 constexpr double kFootStep = 1.2e-4;     // metres a frame: below, the foot stands
 constexpr double kFollows = 0.6;  // step of a foot about the root, over the root's: below, it moves with the root
@@ -190,7 +190,7 @@ std::optional<MBenchMeasures> MBenchOf(const Motion& motion) {
   }
   for (int f = 0; f < motion.frame_count(); ++f) {
     for (const int joint : joints) {
-      const double height = motion.joints.at(f, joint).y();
+      const double height = motion.joints.at(f, joint).y() - floor;
       if (height >= -kTooDeep) continue;
       deep -= height;
       depths += 1.0;

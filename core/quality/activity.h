@@ -16,8 +16,8 @@ struct Activity {
 /// Nothing for fewer than two frames; jerks are 0 for fewer than four.
 std::optional<Activity> ActivityOf(const Motion& motion);
 
-/// Five measures of MBench, with Motius's thresholds and, for contacts, its floor: the lowest foot of the motion. Per
-/// frame, so only motions of one rate compare. [ViMoGen's mbench, motion_quality; Motius, metrics/physical]
+/// Five measures of MBench, with Motius's thresholds and floor: the lowest foot of the motion. Per frame, so only
+/// motions of one rate compare. [ViMoGen's mbench, motion_quality; Motius, metrics/physical]
 struct MBenchMeasures {
   double slide = 0.0;     ///< mm a frame, horizontal step of the feet in contact, mean of both feet
   double floating = 0.0;  ///< share of the frames in which a foot moves with the root

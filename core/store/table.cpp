@@ -318,7 +318,7 @@ Schema MakeFeatureSchema() {
       .Add("mbench_jitter", kF8, {"X"}, "mm", measured, "second difference of the joints, a frame^2 (MBench)")
       .Add("mbench_dynamic", kF8, {"X"}, "mm", measured, "first difference of the joints, a frame (MBench)")
       .Add("mbench_penetration", kF8, {"X"}, "mm", measured,
-           "mean depth of feet more than 5 mm below height 0 (MBench)");
+           "mean depth of feet more than 5 mm below the lowest one: 0 (MBench)");
   return schema;
 }
 

@@ -50,9 +50,10 @@ struct Balls {
 Balls BallsOf(const Features& set, const Eigen::VectorXd& norm, int k) {
   Balls balls;
   balls.radius.resize(set.rows());
+  Eigen::MatrixXd squared;
   for (Eigen::Index begin = 0; begin < set.rows(); begin += kRowsAtOnce) {
     const Eigen::Index n = std::min(kRowsAtOnce, set.rows() - begin);
-    Eigen::MatrixXd squared = SquaredDistances(set, begin, n, set, norm).transpose();  // a column each
+    SquaredDistances(set, begin, n, set, norm, squared);
     for (Eigen::Index i = 0; i < n; ++i) {
       squared(begin + i, i) = std::numeric_limits<double>::infinity();
       double* column = squared.col(i).data();
@@ -70,13 +71,14 @@ double Share(const std::vector<bool>& flags) {
 
 }  // namespace
 
-Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
-                                 const Eigen::VectorXd& b_norm) {
+void SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
+                      const Eigen::VectorXd& b_norm, Eigen::MatrixXd& squared) {
   const auto rows = a.middleRows(begin, n);
-  Eigen::MatrixXd squared = -2.0 * rows * b.transpose();
-  squared.colwise() += rows.rowwise().squaredNorm();
-  squared.rowwise() += b_norm.transpose();
-  return squared.cwiseMax(0.0);
+  squared.resize(b.rows(), n);
+  squared.noalias() = -2.0 * b * rows.transpose();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    squared.col(i) = (squared.col(i).array() + b_norm.array() + rows.row(i).squaredNorm()).max(0.0);
+  }
 }
 
 Expected<FeatureStatistics> StatisticsOf(const Features& features) {
@@ -180,7 +182,8 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
   const Eigen::VectorXd norm = reference.rowwise().squaredNorm(), own_norm = motions.rowwise().squaredNorm();
   const Balls balls = BallsOf(reference, norm, k);
   const bool recalled_too = motions.rows() > k;
-  const Eigen::VectorXd own_radius = recalled_too ? BallsOf(motions, own_norm, k).radius : Eigen::VectorXd();
+  const Balls own_balls = recalled_too ? BallsOf(motions, own_norm, k) : Balls();
+  const Eigen::VectorXd& own_radius = own_balls.radius;
   // Repeated rows have distances at rounding level, which are no reference.
   const bool among = balls.nearest > kRounding * std::sqrt(norm.mean());
   const double copy = std::pow(std::max(kMemorised * balls.nearest, kRounding * std::sqrt(norm.mean())), 2);
@@ -188,21 +191,23 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
   std::vector<bool> inside(static_cast<std::size_t>(motions.rows()), false);
   long long memberships = 0, copies = 0;
   double nearest = 0.0;
+  Eigen::MatrixXd squared;
   for (Eigen::Index begin = 0; begin < motions.rows(); begin += kRowsAtOnce) {
     const Eigen::Index n = std::min(kRowsAtOnce, motions.rows() - begin);
-    const Eigen::MatrixXd squared = SquaredDistances(motions, begin, n, reference, norm);
-    for (Eigen::Index j = 0; j < reference.rows(); ++j) {
-      for (Eigen::Index i = 0; i < n; ++i) {
-        if (recalled_too && squared(i, j) <= own_radius(begin + i)) recalled[static_cast<std::size_t>(j)] = true;
-        if (squared(i, j) > balls.radius(j)) continue;
+    SquaredDistances(motions, begin, n, reference, norm, squared);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double own = recalled_too ? own_radius(begin + i) : -1.0;
+      for (Eigen::Index j = 0; j < reference.rows(); ++j) {
+        if (squared(j, i) <= own) recalled[static_cast<std::size_t>(j)] = true;
+        if (squared(j, i) > balls.radius(j)) continue;
         ++memberships;
         covered[static_cast<std::size_t>(j)] = true;
         inside[static_cast<std::size_t>(begin + i)] = true;
       }
+      const double least = squared.col(i).minCoeff();
+      nearest += std::sqrt(least);
+      copies += least <= copy ? 1 : 0;
     }
-    const Eigen::ArrayXd least = squared.rowwise().minCoeff().array();
-    nearest += least.sqrt().sum();
-    copies += (least <= copy).count();
   }
   const double count = static_cast<double>(motions.rows());
   NeighbourFigures figures;
@@ -211,6 +216,7 @@ Expected<NeighbourFigures> CompareNeighbours(const Features& motions, const Feat
   figures.precision = Share(inside);
   figures.recall = Share(recalled);
   figures.nearest = among ? nearest / count / balls.nearest : 0.0;
+  figures.own_nearest = among && recalled_too ? own_balls.nearest / balls.nearest : 1.0;
   figures.memorised = static_cast<double>(copies) / count;
   return figures;
 }

@@ -54,12 +54,12 @@ IndexPairs DrawMultimodalityPairs(const std::vector<int>& labels, int classes, i
 double MeanDistance(const Features& features, const IndexPairs& pairs);
 
 /// Motions of a block of distances.
-inline constexpr Eigen::Index kRowsAtOnce = 512;
+inline constexpr Eigen::Index kRowsAtOnce = 128;
 
-/// Squared distances of rows [begin, begin + n) of `a` to all rows of `b`, (n, rows of b). `b_norm`: squared lengths of
-/// the rows of `b`.
-Eigen::MatrixXd SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
-                                 const Eigen::VectorXd& b_norm);
+/// Squared distances of all rows of `b` to rows [begin, begin + n) of `a`: (rows of b, n), a column a motion of `a`,
+/// into a matrix that is reused from block to block. `b_norm`: squared lengths of the rows of `b`.
+void SquaredDistances(const Features& a, Eigen::Index begin, Eigen::Index n, const Features& b,
+                      const Eigen::VectorXd& b_norm, Eigen::MatrixXd& squared);
 
 /// Nearest-neighbour metrics of features.
 struct NeighbourFigures {
@@ -72,6 +72,8 @@ struct NeighbourFigures {
   /// Mean distance of the motions to their nearest in the reference, divided by that of the reference's motions to
   /// their nearest other: about 1 for new motions, near 0 for copies of the reference.
   double nearest = 0.0;
+  /// Mean distance of the motions to their nearest other, divided by that of the reference: near 0 for equal motions.
+  double own_nearest = 0.0;
   double memorised = 0.0;  ///< share of the motions nearer to one of the reference than kMemorised of that mean
 };
 

@@ -32,8 +32,9 @@ struct NoDifference {
 };
 
 /// `draws` times: where all units are motions, motions are exchanged between the samples within labels; else the
-/// deviation of each unit from the mean and the second moments of its label gets a random sign. [permutation test, and
-/// its form for units of several motions, the wild bootstrap]
+/// deviation of each unit from the mean and the second moments of its label gets a random sign. Samples with other
+/// labels are compared as if all motions had one. [permutation test, and its form for units of several motions, the
+/// wild bootstrap]
 Expected<NoDifference> FidsOfNoDifference(const FeatureSample& a, const FeatureSample& b, int draws, Random& random);
 
 /// Difference of two rows' FIDs against one reference.
@@ -57,11 +58,12 @@ inline constexpr int kMotionsPerFeature = 10;
 /// FID at infinitely many motions: linear in 1 / n through both samples at full size and without each of 20 parts of
 /// whole units, so that each motion is left out once (the grouped jackknife). [Chong and Forsyth 2020 extrapolate from
 /// random subsets; this has the smaller variance, docs/evaluation.md]. Nothing where a sample has fewer than
-/// kMotionsPerFeature motions per feature.
+/// kMotionsPerFeature motions per feature, or where one unit has half of its motions. Fewer than 20 units have as many
+/// parts.
 Expected<std::optional<double>> ExtrapolatedFid(const FeatureSample& a, const FeatureSample& b, std::uint64_t seed);
 
 /// Unbiased kernel distance of all motions (the U-statistic of KernelDistance), and its variance: of the influences,
-/// summed by unit, plus that of the pairs, which alone is left where the distributions are equal.
+/// summed by unit, and at least that of the pairs, which alone is left where the distributions are equal.
 struct KernelEstimate {
   double value = 0.0;
   double variance = 0.0;

@@ -27,11 +27,12 @@ GroupDistances DistancesWithin(const FeatureSample& sample, const std::vector<in
   const Features features = sample.features(members, Eigen::all);
   const Eigen::VectorXd norm = features.rowwise().squaredNorm();
   Eigen::VectorXd sums(n);
+  Eigen::MatrixXd squared;
   double squares = 0.0;
   for (Eigen::Index begin = 0; begin < n; begin += kRowsAtOnce) {
     const Eigen::Index rows = std::min(kRowsAtOnce, n - begin);
-    const Eigen::MatrixXd squared = SquaredDistances(features, begin, rows, features, norm);
-    sums.segment(begin, rows) = squared.cwiseSqrt().rowwise().sum();
+    SquaredDistances(features, begin, rows, features, norm, squared);
+    sums.segment(begin, rows) = squared.cwiseSqrt().colwise().sum();
     squares += squared.sum();
   }
   const double pairs = static_cast<double>(n) * static_cast<double>(n - 1);
@@ -50,7 +51,10 @@ const char* Name(SampledKind kind) {
 }
 
 SampledKind KindOf(const FeatureSample& sample) {
-  if (!sample.independent || sample.units < kFewestUnits) return SampledKind::kSpread;
+  Eigen::VectorXd motions = Eigen::VectorXd::Zero(sample.units);
+  for (const int unit : sample.unit) motions(unit) += 1.0;
+  const double effective = motions.sum() * motions.sum() / std::max(1.0, motions.squaredNorm());
+  if (!sample.independent || effective < kFewestUnits) return SampledKind::kSpread;
   return sample.persons ? SampledKind::kPersons : SampledKind::kMotions;
 }
 
@@ -71,15 +75,17 @@ std::optional<SampledInterval> IntervalAbout(double value, double variance, int 
 
 std::optional<SampledInterval> IntervalOfMean(const Eigen::VectorXd& values, const FeatureSample& sample) {
   if (values.size() == 0) return std::nullopt;
-  return IntervalAbout(values.mean(), VarianceOfMean(values, sample), sample.units, KindOf(sample));
+  auto interval = IntervalAbout(values.mean(), VarianceOfMean(values, sample), sample.units, KindOf(sample));
+  if (interval && values.minCoeff() >= 0.0) interval->ends[0] = std::max(0.0, interval->ends[0]);
+  return interval;
 }
 
 std::optional<SampledInterval> IntervalOfShare(const Eigen::VectorXd& right, const FeatureSample& sample) {
   if (right.size() == 0 || sample.units < 2) return std::nullopt;
   const double share = right.mean(), own = share * (1.0 - share);
   const double variance = VarianceOfMean(right, sample);
-  // Where all motions are right nothing is known of their dependence: as many as there are units.
-  double count = variance > 0.0 ? own / variance : static_cast<double>(sample.units);
+  // Where all units are as right nothing is known of their dependence: as many as there are units.
+  double count = variance > 1e-12 * own ? own / variance : static_cast<double>(sample.units);
   count = std::clamp(count, 1.0, static_cast<double>(right.size()));
   const double z = StudentQuantile(0.975, sample.units - 1), square = z * z;
   const double middle = (share + square / (2.0 * count)) / (1.0 + square / count);

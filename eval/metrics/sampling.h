@@ -30,7 +30,8 @@ enum class SampledKind {
 /// "motions_95", "persons_95", "spread".
 const char* Name(SampledKind kind);
 
-/// Fewest units with a 95 % interval: below, its own width is uncertain by more than a quarter (1 / sqrt(2 (P - 1))).
+/// Fewest units with a 95 % interval, by (sum of motions)^2 / sum of squares where they have unequal numbers: below,
+/// its own width is uncertain by more than a quarter (1 / sqrt(2 (P - 1))).
 inline constexpr int kFewestUnits = 10;
 
 struct SampledInterval {

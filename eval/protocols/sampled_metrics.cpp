@@ -10,9 +10,8 @@ namespace {
 
 constexpr int kEqualDraws = 100;
 constexpr int kKidSubsets = 10;
-constexpr int kKidSize = 1000;        // motions of a subset
-constexpr int kLargestKernel = 6000;  // motions of a side: three kernels of that square are 0.9 GB
-constexpr int kNeighbours = 5;        // k of density and coverage
+constexpr int kKidSize = 500;   // motions of a subset
+constexpr int kNeighbours = 5;  // k of density and coverage
 
 Figure Null(const char* why) {
   Figure figure;
@@ -39,36 +38,16 @@ Status AddEqualSizes(const FeatureSample& row, const FeatureSample& real, bool i
   return {};
 }
 
-/// The first rows of a random order.
-FeatureSample AtMost(const FeatureSample& sample, int most, Random& random) {
-  if (sample.count() <= most) return sample;
-  std::vector<int> rows(static_cast<std::size_t>(sample.count()));
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(most); ++i) {
-    std::swap(rows[i], rows[i + random.Below(rows.size() - i)]);
-  }
-  rows.resize(static_cast<std::size_t>(most));
-  FeatureSample taken = sample;  // units keep their numbers: absent ones add nothing to sums
-  taken.features = sample.features(rows, Eigen::all);
-  taken.label.clear();
-  taken.unit.clear();
-  for (const int at : rows) {
-    taken.label.push_back(sample.label[static_cast<std::size_t>(at)]);
-    taken.unit.push_back(sample.unit[static_cast<std::size_t>(at)]);
-  }
-  return taken;
-}
-
 Status AddKernel(const FeatureSample& row, const FeatureSample& reference, std::uint64_t seed, Figures& figures) {
   Random random(seed, "subsets of KID");
   const auto subsets = KernelDistance(row.features, reference.features, kKidSubsets, kKidSize, random);
   if (!subsets) return Forward(subsets);
-  const FeatureSample a = AtMost(row, kLargestKernel, random), b = AtMost(reference, kLargestKernel, random);
-  const auto all = KernelDistanceOfAll(a, b);
+  const auto all = KernelDistanceOfAll(row, reference);
   if (!all) return Forward(all);
   Figure figure;
   figure.values = {all->value};
-  figure.sampled = IntervalAbout(all->value, all->variance, std::min(a.units, b.units), KindOf(a, b));
+  figure.sampled =
+      IntervalAbout(all->value, all->variance, std::min(row.units, reference.units), KindOf(row, reference));
   figure.more = {
       {"subsets",
        {{"mean", subsets->mean}, {"sd", subsets->sd}, {"count", subsets->count}, {"motions", subsets->size}}}};
@@ -87,8 +66,12 @@ void AddNeighbours(const FeatureSample& row, const FeatureSample& reference, Fig
   figures["density"].values = {near->density};
   figures["coverage"].values = {near->coverage};
   figures["precision"].values = {near->precision};
-  figures["recall"] = Null("too_few_motions");
-  if (row.count() > kNeighbours) figures["recall"].values = {near->recall};
+  if (row.count() > kNeighbours) {
+    figures["recall"].values = {near->recall};
+  } else {
+    figures["recall"] = Null("too_few_motions");
+  }
+  figures["memorised"].more = {{"own_nearest", near->own_nearest}};
   figures["nearest_train"].values = {near->nearest};
   figures["memorised"].values = {near->memorised};
 }
@@ -152,6 +135,7 @@ Expected<std::optional<NoDifference>> AddFidInterval(const std::string& name, co
   if (!fid.values.empty()) {
     fid.sampled = IntervalAbout(fid.values.front(), *variance + none->variance, std::min(row.units, reference.units),
                                 KindOf(row, reference));
+    if (fid.sampled) fid.sampled->ends[0] = std::max(0.0, fid.sampled->ends[0]);
   }
   return std::optional<NoDifference>(*none);
 }
@@ -165,17 +149,22 @@ Status AddSampledMetrics(const FeatureSample& row, const FeatureSample& referenc
   }
   const auto none = AddFidInterval("FID_train", row, reference, seed, figures);
   if (!none) return Forward(none);
-  const std::optional<double> p = *none && !itself ? std::optional<double>((*none)->p) : std::nullopt;
+  // The signs of few persons, or of persons that are not known, test nothing.
+  const bool tested = *none && !itself && KindOf(row, reference) != SampledKind::kSpread;
+  const std::optional<double> p = tested ? std::optional<double>((*none)->p) : std::nullopt;
   if (Status added = AddEqualSizes(row, real, itself, p, seed, figures); !added) return added;
+  if (!itself && !tested) {
+    figures["FID_equal"].more["why_no_p"] = *none ? "few_or_unknown_persons" : "too_many_features";
+  }
   const auto limit = ExtrapolatedFid(row, reference, seed);
   if (!limit) return Forward(limit);
   figures["FID_inf"] = Null("too_few_motions");
   if (limit->has_value()) {
-    const auto& whole = figures["FID_train"].sampled;
+    const std::optional<SampledInterval> whole = figures["FID_train"].sampled;
     Figure figure;
     figure.values = {**limit};
     if (whole) {  // moved: the variance is the same
-      const double half = 0.5 * (whole->ends[1] - whole->ends[0]);
+      const double half = whole->ends[1] - figures["FID_train"].values.front();
       figure.sampled = SampledInterval{{**limit - half, **limit + half}, whole->kind};
     }
     figures["FID_inf"] = std::move(figure);
@@ -195,7 +184,8 @@ std::optional<PairDistances> AddPairDistances(const FeatureSample& sample, int p
   const auto any = DistancesOfAll(sample, false), within = DistancesOfAll(sample, true);
   for (const auto& [name, distances] : {std::pair{"APD", any}, std::pair{"ACPD", within}}) {
     if (!distances) {
-      figures[name].why = "one_motion_of_a_class";
+      const bool labelled = std::any_of(sample.label.begin(), sample.label.end(), [](int label) { return label >= 0; });
+      figures[name].why = sample.count() < 2 ? "too_few_motions" : labelled ? "one_motion_of_a_class" : "no_labels";
       continue;
     }
     figures[name].values = {distances->mean};
@@ -213,7 +203,7 @@ std::optional<double> MovementOfReal(const FeatureSet& set, const std::vector<in
     if (values == of.quality.end()) return sums;
     for (const int row : chosen) {
       const double value = values->second[static_cast<std::size_t>(row)];
-      if (value < 0.0) continue;
+      if (value < 0.0 || of.label[static_cast<std::size_t>(row)] < 0) continue;
       auto& [sum, count] = sums[of.label[static_cast<std::size_t>(row)]];
       sum += value;
       count += 1.0;

@@ -186,6 +186,11 @@ class RowScore {
 
   void NoteMemorised(const FeatureSample& own) {
     const Figure& figure = figures_["memorised"];
+    if (!real() && figure.more.value("own_nearest", 1.0) < kMemorised) {
+      Warn("equal_motions",
+           "the motions are nearly equal to each other, as the extractor sees them: intervals and p "
+           "count each as a motion of its own");
+    }
     if (real() || figure.values.empty() || figure.values.front() <= kMemorisedShare) return;
     const auto copies = static_cast<long long>(std::llround(figure.values.front() * own.count()));
     Warn("memorised", Counted(copies, "motion") + " of " + std::to_string(own.count()) +
@@ -318,6 +323,7 @@ class RowScore {
     for (const std::string& name : MetricNames()) {
       const auto figure = figures_.find(name);
       metrics[name] = JsonOf(figure == figures_.end() ? Figure() : figure->second, options_.draw.interval);
+      if (metrics[name]["value"].is_null() && !metrics[name].contains("why")) metrics[name]["why"] = WhyNot(name);
     }
     nlohmann::json json = {{"name", options_.name}, {"real", real()},        {"motions", motions_},
                            {"metrics", metrics},    {"warnings", warnings_}, {"assumed", nlohmann::json::array()}};
@@ -342,8 +348,6 @@ class RowScore {
                                    "KID",
                                    "accuracy",
                                    "accuracy_top5",
-                                   "accuracy_equivalent",
-                                   "accuracy_top5_equivalent",
                                    "diversity",
                                    "multimodality",
                                    "APD",
@@ -362,8 +366,18 @@ class RowScore {
                                    "bone_spread",
                                    "limit_violations",
                                    "frozen_share"};
+    if (!equivalent_.empty()) names.insert({"accuracy_equivalent", "accuracy_top5_equivalent"});
     for (const auto& [name, figure] : figures_) names.insert(name);
     return names;
+  }
+
+  /// Of a metric that nothing was computed of.
+  std::string WhyNot(const std::string& name) const {
+    if (name.rfind("accuracy", 0) == 0) return "no_labels";
+    if (name == "FID_test") return references_.test == nullptr ? "no_reference" : "too_few_motions";
+    const bool measured = row_.quality.count(name) > 0;
+    if (measured || references_.train != nullptr) return "not_measured";
+    return "no_reference";
   }
 
   const ScoreOptions& options_;

@@ -19,6 +19,9 @@ bool IsRealMethod(const std::string& method) {
   return kNames.count(method) > 0;
 }
 
+/// A network during its training (NAME/SEED@STEP) is no method of its own.
+bool IsSample(const nlohmann::json& row) { return row.value("network", std::string()).find('@') != std::string::npos; }
+
 /// The published method of a row; nothing where it has none.
 std::optional<std::string> MethodOf(const nlohmann::json& row, const std::set<std::string>& methods,
                                     const ComparisonOptions& options) {
@@ -230,7 +233,7 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
       table.notes.push_back(name + " is compared with the published " + *method + ".");
     }
     add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
-        row.contains("profile") || row.contains("given") || row.value("real", IsRealMethod(name)),
+        row.contains("profile") || row.contains("given") || IsSample(row) || row.value("real", IsRealMethod(name)),
         row.contains("unconverged"), row.contains("given"));
   }
   for (const std::string& method : in_order) {

@@ -96,8 +96,23 @@ std::string OrderNote(const nlohmann::json& order) {
                                    [&](const MetricColumn& one) { return order.at("metric") == one.key; });
   return std::string(column->title) + ": " + order.at("better").get<std::string>() + " before " +
          order.at("worse").get<std::string>() + ", " + order.at("seeds")[0].dump() + " and " +
-         order.at("seeds")[1].dump() + " trainings, p " + RoundedText(order.at("p").get<double>(), 3) +
-         ", of all pairs " + RoundedText(order.at("p_holm").get<double>(), 3) + " (Holm).";
+         order.at("seeds")[1].dump() + " trainings, one-sided p " + RoundedText(order.at("p").get<double>(), 3) +
+         ", for all pairs " + RoundedText(order.at("p_holm").get<double>(), 3) + " (Holm); the least possible is " +
+         RoundedText(order.at("least_p").get<double>(), 3) + ".";
+}
+
+/// Beside what FID_equal is read: the real motions at the same number, and p.
+std::vector<std::string> EqualSizeNotes(const nlohmann::json& result) {
+  std::vector<std::string> notes;
+  for (const nlohmann::json& row : result.at("rows")) {
+    const nlohmann::json fid = row.value("metrics", nlohmann::json::object()).value("FID_equal", nlohmann::json());
+    if (row.value("real", false) || !fid.is_object() || !fid.at("value").is_number() || !fid.contains("real")) continue;
+    const nlohmann::json p = fid.value("p", nlohmann::json());
+    notes.push_back("FID, equal sizes, of " + row.at("name").get<std::string>() + ": " + fid.at("motions").dump() +
+                    " motions on both sides, of real motions " + RoundedText(fid.at("real").get<double>(), 3) +
+                    (p.is_number() ? "; differs with p " + RoundedText(p.get<double>(), 2) : "") + ".");
+  }
+  return notes;
 }
 
 }  // namespace
@@ -201,6 +216,7 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
   table.rows.insert(table.rows.end(), published.begin(), published.end());
   table.notes = result.value("notes", std::vector<std::string>());
   for (const std::string& note : AssumptionNotes(result)) table.notes.push_back(note);
+  for (const std::string& note : EqualSizeNotes(result)) table.notes.push_back(note);
   for (const nlohmann::json& order : result.value("orders", nlohmann::json::array())) {
     table.notes.push_back(OrderNote(order));
   }

@@ -25,7 +25,7 @@ std::string NameWithoutSeed(const Json& row) {
   const std::size_t slash = network.rfind('/');
   if (slash == std::string::npos || network.find('@', slash) != std::string::npos) return {};
   const std::string seed = network.substr(slash);
-  const std::size_t at = name.find(seed);
+  const std::size_t at = name.rfind(seed);
   return at == std::string::npos ? std::string() : name.substr(0, at) + name.substr(at + seed.size());
 }
 
@@ -36,6 +36,10 @@ Json MergedMetric(const std::vector<const Json*>& seeds, const std::string& metr
     if (one.is_object() && one.at("value").is_number()) values.push_back(one["value"].get<double>());
   }
   Json merged = {{"value", nullptr}, {"interval", nullptr}, {"interval_kind", nullptr}};
+  const Json& first = seeds.front()->at("metrics").at(metric);
+  for (const char* key : {"why", "motions", "real", "real_sd"}) {  // of the real motions: alike in all
+    if (first.is_object() && first.contains(key)) merged[key] = first[key];
+  }
   if (values.empty() || values.size() < seeds.size()) return merged;
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   merged["value"] = MeanOf(values);
@@ -51,9 +55,17 @@ Json Merged(const std::string& name, const std::vector<const Json*>& seeds) {
   row.erase("confusion");
   row["network"] = row["network"].get<std::string>().substr(0, row["network"].get<std::string>().rfind('/'));
   row["seeds"] = Json::array();
+  double seconds = 0.0, memory = 0.0;
   for (const Json* seed : seeds) {
     row["seeds"].push_back(*seed);
     if (seed->contains("unconverged")) row["unconverged"] = (*seed)["unconverged"];
+    const Json ours = seed->value("ours", Json::object());
+    const auto number = [&](const char* key) {
+      const Json value = ours.value(key, Json());
+      return value.is_number() ? value.get<double>() : 0.0;
+    };
+    seconds += number("seconds");
+    memory = std::max(memory, number("peak_memory"));
   }
   for (const auto& [metric, value] : seeds.front()->at("metrics").items()) {
     row["metrics"][metric] = MergedMetric(seeds, metric);
@@ -61,8 +73,18 @@ Json Merged(const std::string& name, const std::vector<const Json*>& seeds) {
   if (row.contains("ours")) {
     row["ours"]["metrics"] = row["metrics"];
     row["ours"]["checkpoint"] = nullptr;  // those of "seeds"
+    row["ours"]["unconverged"] = row.value("unconverged", Json());
+    if (seconds > 0.0) row["ours"]["seconds"] = seconds;
+    if (memory > 0.0) row["ours"]["peak_memory"] = memory;
   }
   return row;
+}
+
+/// 1 / C(n + m, n).
+double LeastChance(std::size_t n, std::size_t m) {
+  double chance = 1.0;
+  for (std::size_t i = 1; i <= n; ++i) chance *= static_cast<double>(i) / static_cast<double>(m + i);
+  return chance;
 }
 
 }  // namespace
@@ -115,6 +137,7 @@ Json OrdersOfSeeds(const Json& rows) {
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
         if (!rows[i].contains("seeds") || !rows[j].contains("seeds")) continue;
         if (rows[i].value("frames", 0) != rows[j].value("frames", 0)) continue;
+        if (rows[i]["network"] == rows[j]["network"]) continue;  // a filter or another step of the same networks
         const Table::Cell one = CellOf(rows[i].at("metrics").value(metric, Json()));
         const Table::Cell other = CellOf(rows[j].at("metrics").value(metric, Json()));
         if (!one.value || !other.value) continue;
@@ -129,7 +152,8 @@ Json OrdersOfSeeds(const Json& rows) {
                              {"worse", worse.at("name")},
                              {"seeds", {better["seeds"].size(), worse["seeds"].size()}},
                              {"difference", std::abs(*one.value - *other.value)},
-                             {"p", p.back()}});
+                             {"p", p.back()},
+                             {"least_p", LeastChance(small.repetitions.size(), large.repetitions.size())}});
       }
     }
     const std::vector<double> corrected = HolmCorrected(p);

@@ -19,9 +19,9 @@ void MergeSeeds(nlohmann::json& rows);
 /// least 1 / C(2s, s): 1/6, 1/20, 1/70 of 2, 3, 4. [Fisher 1935]
 double ChanceOfLess(const std::vector<double>& less, const std::vector<double>& more);
 
-/// [{"metric", "better", "worse", "seeds": [of each], "difference": of the means, "p", "p_holm"}] of all pairs of
-/// merged rows, for FID_train and accuracy. `p` is one-sided: of the direction seen; twice it where none was expected.
-/// `p_holm` corrects it for the pairs of the metric.
+/// [{"metric", "better", "worse", "seeds": [of each], "difference": of the means, "p", "least_p": possible, "p_holm"}]
+/// of all pairs of merged rows, for FID_train and accuracy. `p` is one-sided: of the direction seen; twice it where
+/// none was expected. `p_holm` corrects it for the pairs of the metric.
 nlohmann::json OrdersOfSeeds(const nlohmann::json& rows);
 
 }  // namespace mocurate

@@ -242,6 +242,21 @@ void PrintEvaluation(const nlohmann::json& result, const std::string& instead) {
   }
 }
 
+/// What the run says of its recogniser: that it recognises less than a nearest neighbour.
+std::vector<nlohmann::json> UnfitExtractorOf(const fs::path& run) {
+  std::vector<nlohmann::json> warnings;
+  const auto metrics = ReadJson(run / "metrics.json");
+  if (!metrics || !metrics->is_object()) return warnings;
+  const nlohmann::json stated = metrics->value("warnings", nlohmann::json::array());
+  for (const nlohmann::json& warning : stated) {
+    if (warning.is_object() && warning.value("code", nlohmann::json()) == "unfit_extractor" &&
+        warning.value("message", nlohmann::json()).is_string()) {
+      warnings.push_back({{"code", "unfit_extractor"}, {"row", ""}, {"message", warning["message"]}});
+    }
+  }
+  return warnings;
+}
+
 }  // namespace
 
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
@@ -253,6 +268,11 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   if (!plan) return Forward(plan);
   if (!arguments.output.empty()) {
     if (Status plain = CheckRunFiles(arguments.output); !plain) return plain;
+    if (fs::exists(arguments.output / "run.json")) {
+      return Fail(ErrorCode::kUsage, "the folder holds a run, whose metrics and tables would be replaced",
+                  DisplayPath(arguments.output),
+                  "give another folder, e.g. -o " + (arguments.output / "eval").string());
+    }
     if (Status made = MakeFolder(arguments.output); !made) return made;
   }
   auto stages = VerbStages::Make(common, arguments.jobs, arguments.output);
@@ -293,7 +313,7 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   evaluation.measures = plan->protocol.measures;
   evaluation.equivalent = plan->protocol.equivalent;
   evaluation.seed = plan->protocol.seed;
-  evaluation.protocol_motions = plan->protocol.released.motions;
+  if (!plan->protocol.paper.empty()) evaluation.protocol_motions = plan->protocol.released.motions;
   evaluation.test_reference = plan->protocol.test_reference;
   evaluation.split = plan->protocol.split;
   evaluation.part = plan->protocol.part;
@@ -319,6 +339,9 @@ Status EvalVerb(CommonArguments& common, const EvalArguments& arguments) {
   if (!evaluated) return Forward(evaluated);
   evaluated->failed.insert(read->failed.begin(), read->failed.end());
   for (nlohmann::json& warning : read->warnings) evaluated->warnings.push_back(std::move(warning));
+  if (!arguments.run.empty()) {
+    for (nlohmann::json& warning : UnfitExtractorOf(arguments.run)) evaluated->warnings.push_back(std::move(warning));
+  }
   if (plan->real.empty()) {
     evaluated->warnings.push_back(
         {{"code", "no_real_motions"},

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/base/sha256.h"
 #include "core/store/store.h"
 #include "tests/app/program.h"
 
@@ -116,6 +117,15 @@ void ExpectAnExtractorForOthers(const ScratchFolder& folder) {
     WriteText(shared / file, before);
   }
   nlohmann::json other = manifest;
+  const std::string description = ReadText(shared / "extractor.yaml");
+  std::string renamed = description;
+  renamed.replace(renamed.find("kick"), 4, "kock");
+  WriteText(shared / "extractor.yaml", renamed);
+  other["files"]["extractor.yaml"]["sha256"] = Sha256Hex(renamed);
+  WriteText(shared / "manifest.json", other.dump());
+  EXPECT_EQ(score(shared.string()).exit_code, 3) << "it describes another network";
+  WriteText(shared / "extractor.yaml", description);
+  other = manifest;
   other["files"]["weights.safetensors"].erase("sha256");
   WriteText(shared / "manifest.json", other.dump());
   EXPECT_EQ(score(shared.string()).exit_code, 3);
@@ -124,6 +134,13 @@ void ExpectAnExtractorForOthers(const ScratchFolder& folder) {
       RunProgram(folder, {"export", generator, "--layout", "extractor", "-o", (folder / "no").string()}).exit_code, 2);
   EXPECT_EQ(RunProgram(folder, {"export", network, "--layout", "extractor", "-o", shared.string()}).exit_code, 2)
       << "it is not empty";
+  const std::string run = (folder / "r").string(), before = ReadText(folder / "r/metrics.json");
+  EXPECT_EQ(
+      RunProgram(folder, {"eval", "--protocol", "own", "--run", run, "--generated", run + "/dataset.h5", "-o", run})
+          .exit_code,
+      2)
+      << "it would replace the run's metrics";
+  EXPECT_EQ(ReadText(folder / "r/metrics.json"), before);
 }
 
 TEST(Generate, GivesTheSameMotionsAgainAndOtherBonesWithTheSameRotations) {

@@ -76,6 +76,8 @@ TEST_F(ToyEvaluation, RealMotionsAnsweredByAGeneratorScoreAsReal) {
   EXPECT_EQ(equal["motions"], dataset_.clips.size() / 2);
   EXPECT_NEAR(equal["value"].get<double>(), equal["real"].get<double>(), equal["real_sd"].get<double>());
   EXPECT_TRUE(real["metrics"]["FID_equal"]["p"].is_null());
+  EXPECT_TRUE(equal["p"].is_null());
+  EXPECT_EQ(equal["why_no_p"], "few_or_unknown_persons");
 }
 
 TEST_F(ToyEvaluation, AFrozenPoseScoresMuchWorseThanRealMotions) {

@@ -97,6 +97,25 @@ TEST(NoDifference, LabelsKeepTheirNumbersInEveryExchange) {
   EXPECT_GT(across->variance, 100.0 * within->variance);
 }
 
+TEST(NoDifference, SamplesOfOtherLabelsAreComparedAsIfOfOne) {
+  const KnownFeatures known(4, false, 1);
+  FeatureSample row = known.Motions(100, "row", 3.0), real = known.Motions(100, "real");
+  row.label.assign(row.label.size(), -1);
+  Random random(1, "exchanges");
+  EXPECT_EQ(FidsOfNoDifference(row, real, 99, random)->p, 0.01) << "not 1: no motion could be exchanged";
+  EXPECT_EQ(DifferenceOfFids(row, real, known.Motions(100, "reference").features, 99, random)->p, 0.01);
+}
+
+TEST(ExtrapolatedFid, NeedsUnitsOfWhichNoneHasHalfOfTheMotions) {
+  const KnownFeatures known(3, false, 1);
+  FeatureSample persons = known.Persons(10, 12, "real");
+  EXPECT_TRUE(*ExtrapolatedFid(known.Motions(100, "row"), persons, 1));
+  for (int& unit : persons.unit) unit = unit < 8 ? 0 : unit - 7;
+  persons.units = 3;
+  EXPECT_FALSE(*ExtrapolatedFid(known.Motions(100, "row"), persons, 1));
+  EXPECT_EQ(KindOf(persons), SampledKind::kSpread);
+}
+
 TEST(ExtrapolatedFid, IsUnbiasedAndItsIntervalHoldsTheTruth) {
   for (const double shift : {0.0, 0.7, 1.5}) {
     int held = 0;

@@ -112,6 +112,12 @@ class Training {
                                    options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
+    const Split* split = nullptr;
+    for (const Split& one : set_.splits) split = one.name == rows_.split ? &one : split;
+    if (recognises_ && !options_.recogniser.selects() && split != nullptr) {
+      rows_.train.insert(rows_.train.end(), split->validation.begin(), split->validation.end());
+      std::sort(rows_.train.begin(), rows_.train.end());
+    }
     return {};
   }
 
