@@ -1,10 +1,10 @@
 #include "job/extractor_folder.h"
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <vector>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/links.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
@@ -89,7 +89,8 @@ Expected<ExtractorFolder> OpenExtractorFolder(const fs::path& folder) {
     return Fail(text.error().code, text.error().what, DisplayPath(path),
                 "give a folder of mocurate export CHECKPOINT --layout extractor -o FOLDER");
   }
-  const std::optional<nlohmann::json> manifest = nlohmann::json::parse(*text, nullptr, false);
+  const auto manifest = ParseJson(*text, DisplayPath(path));
+  if (!manifest) return Forward(manifest);
   const auto malformed = [&](const std::string& what) {
     return Fail(ErrorCode::kMalformed, what, DisplayPath(path),
                 "write the folder again: mocurate export CHECKPOINT --layout extractor -o FOLDER");

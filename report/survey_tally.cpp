@@ -5,10 +5,10 @@
 #include <map>
 #include <numeric>
 
+#include "core/base/holm.h"
 #include "core/base/random.h"
 #include "core/base/table_text.h"
 #include "core/base/text.h"
-#include "eval/metrics/interval.h"
 #include "report/charts.h"
 #include "report/html.h"
 

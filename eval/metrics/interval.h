@@ -25,7 +25,4 @@ Summary Summarise(const std::vector<double>& values, IntervalKind kind);
 /// Quantile of Student's t distribution for `degrees` >= 1; probability in (0, 1).
 double StudentQuantile(double probability, int degrees);
 
-/// Holm's step-down correction of the p of several tests, in their order; at most 1. [Holm 1979]
-std::vector<double> HolmCorrected(const std::vector<double>& p);
-
 }  // namespace mocurate

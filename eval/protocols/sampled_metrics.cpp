@@ -9,6 +9,7 @@ namespace mocurate {
 namespace {
 
 constexpr int kEqualDraws = 100;
+constexpr int kEqualDrawsOfMany = 20;  // of more than kLargestResampled features, where a draw takes 0.1 s and more
 constexpr int kKidSubsets = 10;
 constexpr int kKidSize = 500;   // motions of a subset
 constexpr int kNeighbours = 5;  // k of density and coverage
@@ -25,7 +26,8 @@ Status AddEqualSizes(const FeatureSample& row, const FeatureSample& real, bool i
     figures["FID_equal"] = Null("too_few_motions");
     return {};
   }
-  const auto fid = FidAtEqualSizes(itself ? nullptr : &row.features, real.features, kEqualDraws, seed);
+  const int draws = row.features.cols() > kLargestResampled ? kEqualDrawsOfMany : kEqualDraws;
+  const auto fid = FidAtEqualSizes(itself ? nullptr : &row.features, real.features, draws, seed);
   if (!fid) return Forward(fid);
   Figure figure;
   figure.values = {fid->row};
@@ -122,6 +124,7 @@ FeatureSample SampleOf(const FeatureSet& set, const std::vector<int>& rows, bool
 Expected<std::optional<NoDifference>> AddFidInterval(const std::string& name, const FeatureSample& row,
                                                      const FeatureSample& reference, std::uint64_t seed,
                                                      Figures& figures) {
+  if (row.features.cols() > kLargestResampled) figures[name].more["why_no_interval"] = "too_many_features";
   if (row.features.cols() > kLargestResampled || std::min(row.units, reference.units) < 2 ||
       std::min(row.count(), reference.count()) < 2) {
     return std::optional<NoDifference>();

@@ -130,9 +130,11 @@ nlohmann::json OrderOf(const std::vector<Pair>& numbers) {
   return {{"pairs", pairs}, {"as_published", same}, {"equal", equal}, {"p", ChanceOfOrder(same, ties)}};
 }
 
-/// Columns of the comparison: metrics that something was published of, and the distance to the training motions; where
-/// nothing was published, all that a row of ours has.
+/// Columns of the comparison: metrics that something was published of, and ours that show whether a network copies or
+/// compares with real motions; where nothing was published, all that a row of ours has.
 std::vector<const MetricColumn*> ComparedColumns(const nlohmann::json& result, const nlohmann::json& published) {
+  static const std::set<std::string> kAlways = {"nearest_train", "FID_test", "FID_equal", "FID_train_published",
+                                                "accuracy_published"};
   std::vector<const MetricColumn*> columns;
   for (const MetricColumn& column : MetricColumns()) {
     const bool known = std::any_of(published.begin(), published.end(),
@@ -141,8 +143,7 @@ std::vector<const MetricColumn*> ComparedColumns(const nlohmann::json& result, c
       return CellOf(row.value("metrics", nlohmann::json::object()).value(column.key, nlohmann::json()))
           .value.has_value();
     });
-    const bool always = column.key == std::string("nearest_train");
-    if (published.empty() || always ? ours : known) columns.push_back(&column);
+    if (published.empty() || kAlways.count(column.key) > 0 ? ours && column.shown : known) columns.push_back(&column);
   }
   return columns;
 }

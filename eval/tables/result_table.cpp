@@ -123,7 +123,7 @@ const std::vector<MetricColumn>& MetricColumns() {
       {"FID_test", "FID test ↓", 3, Better::kLess, true},
       {"FID_equal", "FID, equal sizes ↓", 3, Better::kLess, true},
       {"FID_inf", "FID, unbiased ↓", 3, Better::kLess, true},
-      {"FID_normalised", "FID, normalised ↓", 4, Better::kLess, true},
+      {"FID_normalised", "FID, normalised ↓", 4, Better::kLess, true, false},
       {"FID_train_published", "FID train, published recogniser ↓", 3, Better::kLess, true},
       {"accuracy_published", "Accuracy, published recogniser ↑", 3, Better::kMore, true},
       {"accuracy", "Accuracy ↑", 3, Better::kMore, true},
@@ -136,11 +136,11 @@ const std::vector<MetricColumn>& MetricColumns() {
       {"KID", "KID ↓", 4, Better::kLess, true},
       {"density", "Density →", 3, Better::kNearReal, true},
       {"coverage", "Coverage ↑", 3, Better::kMore, true},
-      {"precision", "Precision ↑", 3, Better::kMore, true},
-      {"recall", "Recall ↑", 3, Better::kMore, true},
+      {"precision", "Precision ↑", 3, Better::kMore, true, false},
+      {"recall", "Recall ↑", 3, Better::kMore, true, false},
       {"nearest_train", "Nearest in train →", 3, Better::kNearReal, true},
-      {"APD", "APD →", 3, Better::kNearReal, true},
-      {"ACPD", "ACPD →", 3, Better::kNearReal, true},
+      {"APD", "APD →", 3, Better::kNearReal, true, false},
+      {"ACPD", "ACPD →", 3, Better::kNearReal, true, false},
       {"movement_of_real", "Movement, of real →", 2, Better::kNearReal, false},
       {"peak_jerk", "Peak jerk, m/s³ →", 0, Better::kNearReal, false},
       {"jerk_area", "Jerk area, m/s² →", 1, Better::kNearReal, false},
@@ -149,7 +149,7 @@ const std::vector<MetricColumn>& MetricColumns() {
       {"mbench_jitter", "MBench jitter, mm/frame² ↓", 2, Better::kLess, false},
       {"mbench_dynamic", "MBench dynamic, mm/frame →", 2, Better::kNearReal, false},
       {"mbench_penetration", "MBench penetration, mm ↓", 2, Better::kLess, false},
-      {"movement", "Movement, m/s →", 3, Better::kNearReal, false},
+      {"movement", "Movement, m/s →", 3, Better::kNearReal, false, false},
       {"foot_skate", "Foot skate, m/s ↓", 3, Better::kLess, false},
       {"floor_penetration", "Below floor, m ↓", 4, Better::kLess, false},
       {"jerk", "Jerk, m/s³", 1, Better::kNone, false},
@@ -192,7 +192,7 @@ Table ResultTable(const nlohmann::json& result, const std::string& title) {
     const bool any = std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& row) {
       return row.contains("metrics") && CellOf(row["metrics"].value(column.key, nlohmann::json())).value.has_value();
     });
-    if (!any) continue;
+    if (!any || !column.shown) continue;
     columns.push_back(&column);
     table.columns.emplace_back(column.title);
     table.digits.push_back(column.digits);

@@ -22,7 +22,8 @@ struct MetricColumn {
   const char* title;  ///< with an arrow towards better values
   int digits;
   Better better;
-  bool of_features;  ///< depends on a recogniser: numbers of two recognisers have no ratio
+  bool of_features;   ///< depends on a recogniser: numbers of two recognisers have no ratio
+  bool shown = true;  ///< in tables; the others are in the JSON alone, because a table must fit a page
 };
 
 /// All metrics, in the order of columns.

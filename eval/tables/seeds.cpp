@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "eval/metrics/interval.h"
+#include "core/base/holm.h"
 #include "eval/tables/result_table.h"
 
 namespace mocurate {

@@ -18,7 +18,8 @@ std::string Fixed(double value, int digits) {
   for (char& c : buffer) {
     if (c == ',') c = '.';
   }
-  return buffer;
+  const std::string text = buffer;
+  return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
 }
 
 /// "0.920 ± 0.050"; the cell has a value.

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "eval/metrics/interval.h"
+#include "core/base/holm.h"
 
 namespace mocurate {
 namespace {
