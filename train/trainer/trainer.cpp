@@ -108,15 +108,15 @@ class Training {
     if (Status there = CheckDevice(options_.learning.device); !there) return there;
     KeepFreedMemory();
     torch::set_num_threads(1);  // one thread per shard; the result must not depend on a thread count
-    auto rows = SelectTrainingRows(set_, options_.data, recognises_ && options_.recogniser.selects(), options_.seed(),
-                                   options_.recogniser.smallest_validation);
+    auto rows =
+        SelectTrainingRows(set_, options_.data, recognises_, options_.seed(), options_.recogniser.smallest_validation);
     if (!rows) return Forward(rows);
     rows_ = std::move(*rows);
-    const Split* split = nullptr;
-    for (const Split& one : set_.splits) split = one.name == rows_.split ? &one : split;
-    if (recognises_ && !options_.recogniser.selects() && split != nullptr) {
-      rows_.train.insert(rows_.train.end(), split->validation.begin(), split->validation.end());
+    if (recognises_ && !options_.recogniser.selects()) {  // what would be held out is learned from
+      rows_.train.insert(rows_.train.end(), rows_.validation.begin(), rows_.validation.end());
       std::sort(rows_.train.begin(), rows_.train.end());
+      rows_.validation.clear();
+      rows_.validation_rule.clear();
     }
     return {};
   }
