@@ -227,6 +227,8 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
   v.List("rows", rows,
          "rows of networks that generate chains of actions (scripts, MultiAct); empty: one row per generator");
   DeclarePart("part", part, v);
+  v.Bool("yardsticks", yardsticks,
+         "rows beside which others can be read: training clips of the label, of any label, the mean pose of the label");
   v.Bool("requests_of_test", requests_of_test,
          "draw the labels and lengths that generators get from the test part; false: from the real motions");
   v.Numbers("durations", durations, Unit::kNone, {1.0, 5000.0},
@@ -275,6 +277,12 @@ void FeaturesOptions::Declare(OptionVisitor& v) {
   DeclareHidden(hidden, v);
   DeclareCrop(crop, v);
   DeclarePart("clip_part", clip_part, v);
+  v.Choice("yardstick", yardstick,
+           {{"none", Yardstick::kNone},
+            {"retrieval", Yardstick::kRetrieval},
+            {"shuffled_labels", Yardstick::kShuffledLabels},
+            {"mean_pose", Yardstick::kMeanPose}},
+           "answer of each request in the place of a generator's");
   DeclareScript(script, v);
   v.Integer("steps", steps, {1.0, 1000.0}, "steps of a chain");
   v.Integer("step", step, {1.0, 1000.0}, "scored step of a script");
@@ -294,7 +302,7 @@ void ScoreOptions::Declare(OptionVisitor& v) {
   v.TextMap("equivalent", equivalent, "class -> classes accepted for it");
 }
 
-StageDeclaration FeaturesDeclaration() { return {"features", 10, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration FeaturesDeclaration() { return {"features", 11, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 5, "mocurate-annotate", WholeSetLimits()}; }

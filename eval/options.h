@@ -118,6 +118,10 @@ struct MetricOptions {
 /// previous motion; or a chain of steps with drawn actions (multiact.md A.5).
 enum class ScriptDraw { kNone, kAfterSample, kAfterGenerated, kChain };
 
+/// Rows that say what a number means: training clips of the label; training clips of any label; the mean pose of the
+/// label's training clips, standing still.
+enum class Yardstick { kNone, kRetrieval, kShuffledLabels, kMeanPose };
+
 enum class ProtocolVariant { kGiven, kReleased, kPaper };
 
 /// Protocol of a paper. `given` scores each motion once, with nothing drawn; `released` follows the paper's code,
@@ -182,6 +186,7 @@ struct EvaluateOptions {
   std::vector<ScriptRowOptions> rows;     ///< empty: each generator is one, with requests by label
   ClipPart part = ClipPart::kWhole;       ///< scored part of samples of two actions
   bool requests_of_test = false;          ///< requests for generators are drawn from the test part
+  bool yardsticks = false;                ///< rows of each Yardstick
   RealPart real = RealPart::kAll;
   bool test_reference = false;  ///< the references are the training and the test part, with an FID against each
   double settled = 0.1;         ///< largest relative change of the FID since the last sample of a converged network
@@ -224,6 +229,7 @@ struct FeaturesOptions {
   HiddenDraw hidden = HiddenDraw::kZero;
   CropDraw crop = CropDraw::kFirst;
   ClipPart clip_part = ClipPart::kWhole;
+  Yardstick yardstick = Yardstick::kNone;  ///< in the place of a generator
   ScriptDraw script = ScriptDraw::kNone;
   std::int64_t steps = 1;   ///< of a chain
   std::int64_t step = 1;    ///< the scored one

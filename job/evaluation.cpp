@@ -94,8 +94,9 @@ class EvaluationRun {
     }
     for (const ScoredSet& row : evaluation_.rows) {
       const RealPart asked = evaluation_.requests_of_test ? RealPart::kTest : evaluation_.real_part;
-      const RealPart part = row.generator ? asked : RealPart::kAll;
-      FeaturesOptions options = OptionsOf("generated", true, row.generator.has_value(), part);
+      const RealPart part = row.answers() ? asked : RealPart::kAll;
+      FeaturesOptions options = OptionsOf("generated", true, row.answers(), part);
+      options.yardstick = row.yardstick;
       options.frames = row.frames;
       options.script = row.script;
       options.steps = row.steps;
@@ -254,7 +255,7 @@ class EvaluationRun {
       row.erase("warnings");
       if (evaluation_.extractor.body == BodyRule::kMeanShape) NoteOfBody(row);
       if (IsBareArray(names[i])) row["assumed"].push_back("array_in_extractor_frame");
-      if (!row.at("real").get<bool>() && !HasGenerator(names[i])) NoteOfFiles(row);
+      if (!row.at("real").get<bool>() && !Answers(names[i])) NoteOfFiles(row);
       result_.rows.push_back(std::move(row));
     }
     return {};
@@ -303,9 +304,9 @@ class EvaluationRun {
     return row != nullptr && row->bare_array;
   }
 
-  bool HasGenerator(const std::string& name) const {
+  bool Answers(const std::string& name) const {
     const ScoredSet* row = RowOf(name);
-    return row != nullptr && row->generator;
+    return row != nullptr && row->answers();
   }
 
   Status CompareAllRows() {
@@ -317,6 +318,7 @@ class EvaluationRun {
         const std::string &a = evaluation_.rows[i].name, &b = evaluation_.rows[j].name;
         const ScoredSet &one = evaluation_.rows[i], &other = evaluation_.rows[j];
         const bool alike = one.frames == other.frames && one.step == other.step;  // of equal duration and step
+        if (one.yardstick != Yardstick::kNone || other.yardstick != Yardstick::kNone) continue;
         if (!alike || features_.count(a) == 0 || features_.count(b) == 0) continue;
         items.push_back(
             {"compare/" + evaluation_.branch + a + "/" + b,

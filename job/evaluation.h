@@ -23,8 +23,12 @@ struct ScoredSet {
   std::int64_t steps = 1, step = 1;
   bool align = false;
   std::optional<StageInput> first = {}, fill = {};
+  Yardstick yardstick = Yardstick::kNone;        ///< answers in the place of a generator
   OneEuro filter = {};                           ///< of a generator's motions
   PaddingAction padding = PaddingAction::kNone;  ///< of a dataset or MotionSet that the stage `motions` has not read
+
+  /// Whether requests are answered, by a generator or a yardstick; else the motions are scored.
+  bool answers() const { return generator.has_value() || yardstick != Yardstick::kNone; }
 };
 
 /// Sets to score and how.

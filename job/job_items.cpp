@@ -1,6 +1,7 @@
 #include "job/job_items.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
@@ -224,7 +225,9 @@ static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& me
   const nlohmann::json& nearest = metrics["nearest_neighbour"];
   if (!scored.is_object() || !scored.contains("mean") || !nearest.is_object() || nearest.value("count", 0) == 0) return;
   const double own = scored["mean"].get<double>(), other = nearest.at("accuracy").get<double>();
-  if (own >= other) return;
+  const double by_chance =
+      1.645 * std::sqrt(other * (1.0 - other) / nearest.at("count").get<double>());  // one-sided, 5 %
+  if (own >= other - by_chance) return;
   const std::string text = recogniser + " recognises " + RoundedText(own, 2) +
                            " of the test clips, a nearest neighbour of their joint positions " + RoundedText(other, 2) +
                            ": it is unfit as an extractor, train it longer before its FIDs are read";

@@ -78,6 +78,24 @@ std::vector<ScoredSet> ScriptRows(const TrainedNetwork& network, const std::vect
   return rows;
 }
 
+/// Rows of the yardsticks, before those of the networks.
+void AddYardsticks(const EvaluateOptions& evaluate, const StageInput& motions, std::vector<ScoredSet>& rows) {
+  if (!evaluate.yardsticks) return;
+  std::vector<ScoredSet> first;
+  for (const auto& [name, yardstick] :
+       {std::pair("Retrieval", Yardstick::kRetrieval), std::pair("Shuffled labels", Yardstick::kShuffledLabels),
+        std::pair("Mean pose", Yardstick::kMeanPose)}) {
+    first.push_back({name, motions, std::nullopt});
+    first.back().yardstick = yardstick;
+  }
+  rows.insert(rows.begin(), first.begin(), first.end());
+}
+
+bool IsYardstick(const std::string& row, const Evaluation& evaluation) {
+  return std::any_of(evaluation.rows.begin(), evaluation.rows.end(),
+                     [&](const ScoredSet& set) { return set.name == row && set.yardstick != Yardstick::kNone; });
+}
+
 /// One recogniser on one set of test clips.
 struct RecogniserTest {
   const TrainedNetwork* network = nullptr;
@@ -374,6 +392,7 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
       asked[row] = {network.row, 0};
     }
   }
+  AddYardsticks(evaluate, motions, evaluation.rows);
   auto evaluated = ::mocurate::Evaluate(evaluation, runs);
   if (!evaluated) return Forward(evaluated);
   if (!evaluated->failed.empty()) {
@@ -383,6 +402,7 @@ Expected<GeneratorScores> ScoreGenerators(const std::vector<TrainedNetwork>& net
   }
   if (evaluated->rows.empty()) return scores;
   for (nlohmann::json& row : evaluated->rows) {
+    if (IsYardstick(row.at("name").get<std::string>(), evaluation)) row["given"] = kGivenMotions;
     const auto found = asked.find(row.at("name").get<std::string>());
     if (found == asked.end()) continue;
     row["network"] = found->second.first;

@@ -10,6 +10,7 @@
 #include "core/base/links.h"
 #include "core/base/text.h"
 #include "core/pipeline/journal.h"
+#include "core/pipeline/progress.h"
 #include "job/run_file.h"
 #include "train/items.h"
 #include "train/stages.h"
@@ -38,7 +39,7 @@ constexpr Output kOutputs[] = {
     {JobStage::kReport, "report", "clip.png"},       {JobStage::kReport, "report", "overlay.png"},
     {JobStage::kReport, "report", "cloud.png"}};
 
-constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", "run.json"};
+constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", kProgressFile, "run.json"};
 
 /// `*` stands for the digits of a clip.
 bool Matches(std::string_view pattern, std::string_view name) {
@@ -88,6 +89,7 @@ constexpr const char* kWritten[] = {"capture.json",
                                     "motions",
                                     "pictures",
                                     "plan",
+                                    kProgressFile,
                                     "released",
                                     "report",
                                     "report_input.json",

@@ -5,14 +5,19 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
+#include "core/base/file.h"
+#include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "core/pipeline/journal.h"
 
 namespace mocurate {
 namespace {
 
 constexpr std::chrono::milliseconds kDrawEvery{100};
+constexpr std::chrono::seconds kLogEvery{60}, kWriteEvery{5};
 constexpr std::size_t kWidest = 110;
 
 std::string Duration(double seconds) {
@@ -29,20 +34,57 @@ void Write(const std::string& text) {
 
 }  // namespace
 
-Progress::Progress(std::string stage, std::size_t items, bool wanted)
-    : stage_(std::move(stage)), items_(items), shown_(wanted && isatty(STDERR_FILENO) == 1) {}
+Progress::Progress(std::string stage, std::size_t items, bool wanted, std::filesystem::path file)
+    : stage_(std::move(stage)),
+      items_(items),
+      file_(std::move(file)),
+      logged_(wanted),
+      shown_(wanted && isatty(STDERR_FILENO) == 1) {
+  RemoveRecord();  // of a run that was killed
+}
 
-Progress::~Progress() { Clear(); }
+Progress::~Progress() {
+  Clear();
+  RemoveRecord();
+}
 
-void Progress::Count(bool executed, bool failed) {
+void Progress::RemoveRecord() const {
+  std::error_code ignored;
+  if (!file_.empty()) std::filesystem::remove(file_, ignored);
+}
+
+void Progress::Count(const std::string& item, bool executed, bool failed) {
+  at_work_.erase(item);
   finished_ += 1;
   executed_ += executed ? 1 : 0;
   failed_ += failed ? 1 : 0;
   detail_.clear();
 }
 
-void Progress::Detail(double fraction, const std::string& text) {
-  detail_ = std::to_string(static_cast<int>(100.0 * std::clamp(fraction, 0.0, 1.0))) + " % " + text;
+void Progress::Detail(const std::string& name, double fraction, const std::string& text) {
+  const auto now = std::chrono::steady_clock::now();
+  Item& item = at_work_[name];
+  item.share = std::clamp(fraction, 0.0, 1.0);
+  item.text = text;
+  detail_ = std::to_string(static_cast<int>(100.0 * item.share)) + " % " + text;
+  if (logged_ && !shown_ && now - item.logged >= kLogEvery) {
+    item.logged = now;
+    LogInfo(stage_ + " " + DisplayPath(name) + ": " + detail_);
+  }
+  if (file_.empty()) return;
+  item.time = TimeNow();
+  if (now - last_written_ < kWriteEvery) return;
+  last_written_ = now;
+  WriteRecord();
+}
+
+void Progress::WriteRecord() {
+  nlohmann::json items = nlohmann::json::array();
+  for (const auto& [name, item] : at_work_) {
+    items.push_back({{"item", name}, {"share", item.share}, {"text", item.text}, {"time", item.time}});
+  }
+  const nlohmann::json record = {{"stage", stage_}, {"items", std::move(items)}};
+  (void)WriteFile(file_, record.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 std::string Progress::Text() const {

@@ -64,7 +64,10 @@ StageRun::StageRun(RunnerState& state, const StageDeclaration& stage, std::vecto
       stage_(stage),
       items_(std::move(items)),
       defer_damaged_(defer_damaged),
-      progress_(stage.name, items_.size(), !state.options.quiet && !state.options.dry_run) {
+      progress_(stage.name, items_.size(), !state.options.quiet && !state.options.dry_run,
+                state.options.dry_run || !state.options.task_journal.empty()
+                    ? fs::path()
+                    : state.options.run_folder / kProgressFile) {
   report_.stage = stage.name;
   report_.total = items_.size();
   report_.items.resize(items_.size());
@@ -270,7 +273,7 @@ void StageRun::Record(std::size_t index, const std::string& key, ItemResult resu
                       std::uint64_t peak_memory) {
   const Outcome& outcome = result.outcome;
   const bool failed = IsFailure(outcome.kind);
-  progress_.Count(!result.from_cache, failed);
+  progress_.Count(result.item, !result.from_cache, failed);
   if (!looked_up_) {
     json entry = {{"stage", stage_.name},
                   {"item", result.item},

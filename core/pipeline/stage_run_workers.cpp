@@ -129,7 +129,9 @@ void StageRun::Forward(WorkerProcess& worker) {
 void StageRun::Answer(Seat& seat, const json& message) {
   if (message.contains("hello")) return OnHello(seat, message["hello"]);
   if (message.contains("progress") && message["progress"].is_number()) {
-    return progress_.Detail(message["progress"].get<double>(), message.value("text", ""));
+    if (!seat.task) return;
+    return progress_.Detail(items_[seat.task->index].item, message["progress"].get<double>(),
+                            message.value("text", ""));
   }
   if (!seat.task) return;
   if (message.contains("fatal")) {

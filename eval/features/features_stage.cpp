@@ -19,6 +19,7 @@
 #include "core/store/feature_file.h"
 #include "core/store/store.h"
 #include "eval/features/feature_extractor.h"
+#include "eval/features/yardsticks.h"
 #include "eval/options.h"
 #include "eval/protocols/draws.h"
 #include "eval/stages.h"
@@ -326,6 +327,10 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     if (const StageInput* first = FindInput(request, "first")) files.first = first->path;
     if (const StageInput* fill = FindInput(request, "fill")) files.fill = fill->path;
     const auto answer = open_generator(files, request.threads);
+    if (!answer) return Forward(answer);
+    done = run.OfGenerator(*dataset, *answer);
+  } else if (options->yardstick != Yardstick::kNone) {
+    const auto answer = AnswersOf(options->yardstick, *dataset, *options);
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else {

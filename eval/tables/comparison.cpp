@@ -235,7 +235,7 @@ Comparison ComparePublished(const nlohmann::json& result, const ComparisonOption
     }
     add(name, row.value("profile", options.profile), row.value("metrics", nlohmann::json::object()), method,
         row.contains("profile") || row.contains("given") || IsSample(row) || row.value("real", IsRealMethod(name)),
-        row.contains("unconverged"), row.contains("given"));
+        row.contains("unconverged"), row.value("given", "") == kGivenFirstPose);
   }
   for (const std::string& method : in_order) {
     if (shown.count(method) == 0) add(method, "", nlohmann::json::object(), method, IsRealMethod(method), false, false);

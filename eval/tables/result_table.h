@@ -15,6 +15,8 @@ enum class Better { kLess, kMore, kNearReal, kNone };
 
 /// Value of a row's "given" where each motion began with the first pose of a real one: not ranked.
 inline constexpr const char* kGivenFirstPose = "first_pose";
+/// The same of a yardstick, which is made of real motions.
+inline constexpr const char* kGivenMotions = "motions";
 
 /// A metric as a column of tables.
 struct MetricColumn {

@@ -9,6 +9,7 @@
 #include "core/base/text.h"
 #include "core/pipeline/journal.h"
 #include "core/pipeline/lock.h"
+#include "core/pipeline/progress.h"
 #include "core/store/store.h"
 #include "ingest/discover.h"
 #include "job/curation_log.h"
@@ -122,6 +123,19 @@ const char* StateOf(const fs::path& folder, const Json& run) {
   return run.contains("ended") ? "ended" : "cut_short";
 }
 
+/// Items at work, or that were when the run was cut short: {"item", "share", "text", "time"}, with the stage.
+Json AtWork(const fs::path& folder, const std::string& started) {
+  Json items = Json::array();
+  const auto record = ReadJson(folder / kProgressFile);
+  if (!record) return items;
+  for (Json item : record->at("items")) {
+    if (item.at("time").get<std::string>() < started) continue;
+    item["stage"] = record->at("stage");
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
 /// How a run ended, null for an unfinished one.
 Json EndOf(const Json& run) {
   if (!run.contains("ended")) return nullptr;
@@ -143,6 +157,7 @@ Json DescribeRun(const fs::path& folder) {
                {"ended", EndOf(run)},
                {"state", StateOf(folder, run)},
                {"stages", StagesOf(folder, started)},
+               {"at_work", AtWork(folder, started)},
                {"clips", Json::object()},
                {"folders", 0},
                {"files", Json::array()},
@@ -215,6 +230,12 @@ std::string RunText(const Json& run) {
         DescriptionLine("  " + stage.at("stage").get<std::string>(),
                         Counted(stage.at("items").get<long long>(), "item") + ": " + CountsText(stage.at("outcomes")) +
                             ", " + stage.at("from_cache").dump() + " from the cache");
+  }
+  for (const Json& item : run.at("at_work")) {
+    const std::string share = std::to_string(static_cast<int>(100.0 * item.at("share").get<double>())) + " % ";
+    text += DescriptionLine("at work", item.at("stage").get<std::string>() + " " + item.at("item").get<std::string>() +
+                                           ": " + share + item.at("text").get<std::string>() + " (" +
+                                           item.at("time").get<std::string>() + ")");
   }
   if (!run.at("clips").empty()) {
     text += DescriptionLine("clips", ClipsText(CountsOf(run)));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/features/yardsticks.h"
 #include "tests/eval/toy_evaluation.h"
 
 namespace mocurate {
@@ -92,6 +93,53 @@ TEST_F(ToyEvaluation, AFrozenPoseScoresMuchWorseThanRealMotions) {
   const nlohmann::json& warnings = frozen["warnings"];
   EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
                           [](const nlohmann::json& warning) { return warning["code"] == "hardly_moves"; }));
+}
+
+TEST_F(ToyEvaluation, YardsticksAreMadeOfTrainingClips) {
+  const std::vector<int>& train = dataset_.splits[0].train;
+  std::vector<MotionRequest> requests(30);
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    requests[i].label = static_cast<int>(i % 3);
+    requests[i].frames = 9;
+    requests[i].seed = i;
+  }
+  for (const Yardstick yardstick : {Yardstick::kRetrieval, Yardstick::kShuffledLabels}) {
+    const auto answer = AnswersOf(yardstick, dataset_, {});
+    ASSERT_TRUE(answer) << answer.error().Message();
+    const auto motions = (*answer)(requests);
+    ASSERT_TRUE(motions) << motions.error().Message();
+    EXPECT_EQ((*answer)({requests[7]})->front().joints.xyz, (*motions)[7].joints.xyz) << "by its own seed";
+    int of_label = 0;
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      const auto clip = std::find_if(train.begin(), train.end(), [&](int row) {
+        return dataset_.clips[static_cast<std::size_t>(row)].motion->joints.xyz == (*motions)[i].joints.xyz;
+      });
+      ASSERT_NE(clip, train.end()) << "not a training clip";
+      const std::string& label = dataset_.clips[static_cast<std::size_t>(*clip)].label;
+      of_label += dataset_.LabelIndex(label) == requests[i].label ? 1 : 0;
+    }
+    EXPECT_NEAR(of_label, yardstick == Yardstick::kRetrieval ? 30 : 10, yardstick == Yardstick::kRetrieval ? 0 : 8);
+  }
+  for (const Dataset& set : {dataset_, TurningDataset(2)}) {
+    const auto motions = (*AnswersOf(Yardstick::kMeanPose, set, {}))(requests);
+    ASSERT_TRUE(motions) << motions.error().Message();
+    EXPECT_EQ((*motions)[0].frame_count(), 9);
+    EXPECT_EQ(motions->front().joints_only(), set.joints_only);
+    EXPECT_TRUE((*motions)[0].Check());
+    EXPECT_EQ((*motions)[4].joints.at(0, 2), (*motions)[4].joints.at(8, 2)) << "it stands still";
+    EXPECT_NE((*motions)[0].joints.xyz, (*motions)[1].joints.xyz) << "each class has its own";
+    EXPECT_EQ((*motions)[0].joints.xyz, (*motions)[3].joints.xyz);
+    EXPECT_NEAR((*motions)[0].joints.at(0, 0).y(), 1.0, 1e-9);
+  }
+  Dataset missing = dataset_;
+  for (Clip& clip : missing.clips) clip.label = clip.label == "walk" ? "slow" : clip.label;
+  EXPECT_EQ((*AnswersOf(Yardstick::kRetrieval, missing, {}))(requests).error().code, ErrorCode::kInconsistent);
+
+  FeaturesOptions options = FeaturesOf(Draws(2, 300), "generated", true);
+  options.yardstick = Yardstick::kMeanPose;
+  const FeatureSet features = FeatureSetOf("dataset.h5", options);
+  EXPECT_EQ(features.count(), 600);
+  EXPECT_EQ(features.quality.at("frozen_share").front(), 1.0);
 }
 
 TEST_F(ToyEvaluation, MBenchsMeasuresAndThoseOfTransitionsStandInTheirRowsAlone) {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "core/base/file.h"
+#include "core/base/json_text.h"
+
 #include "tests/pipeline/runs.h"
 #include "tests/support/terminal.h"
 
@@ -71,10 +74,30 @@ TEST_F(OnATerminal, OutputOfWorkersIsShownUnlessTheRunIsQuiet) {
   }
 }
 
+TEST(Progress, ItemsAtWorkAreRecordedUntilTheStageEnds) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / kProgressFile;
+  ASSERT_TRUE(WriteFile(file, "of a run that was killed"));
+  {
+    Progress progress("train", 2, false, file);
+    EXPECT_FALSE(std::filesystem::exists(file));
+    progress.Detail("ACTOR/1", 0.25, "step 5 of 20");
+    const auto record = ReadJson(file);
+    ASSERT_TRUE(record) << record.error().Message();
+    EXPECT_EQ(record->at("stage"), "train");
+    EXPECT_EQ(record->at("items").at(0).at("item"), "ACTOR/1");
+    EXPECT_EQ(record->at("items").at(0).at("share"), 0.25);
+    EXPECT_EQ(record->at("items").at(0).at("text"), "step 5 of 20");
+  }
+  EXPECT_FALSE(std::filesystem::exists(file));
+  Progress unwritable("train", 2, false, folder / "nowhere" / "deep");
+  unwritable.Detail("ACTOR/1", 0.5, "");
+}
+
 TEST(Progress, FailuresAreCounted) {
   Progress progress("fitting", 4, false);
-  progress.Count(true, true);
-  progress.Count(false, false);
+  progress.Count("a", true, true);
+  progress.Count("b", false, false);
   EXPECT_EQ(progress.Text().substr(0, 3), "2/4");
   EXPECT_NE(progress.Text().find("1 failed"), std::string::npos);
 }
