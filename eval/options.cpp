@@ -242,6 +242,8 @@ void EvaluateOptions::Declare(OptionVisitor& v) {
          "two FIDs: against the training and validation parts, and against the test part; `real` is ignored");
   v.Number("settled", settled, Unit::kNone, {0.0, 1.0},
            "a network whose FID changed by more than this share since its last sample counts as not converged");
+  v.Number("least_real_accuracy", least_real_accuracy, Unit::kNone, {0.0, 1.0},
+           "a table is void where the recogniser recognises less of the real motions");
   v.Text("split", split, "split whose test part scores the recogniser; empty: the recogniser's, else the first");
   DeclareInterval(interval, v);
   v.Bool("random_hidden", random_hidden, "start the recogniser from normal hidden states, as the released code does");

@@ -218,6 +218,26 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vecto
   return clips;
 }
 
+static void Warn(const char* code, const std::string& text, nlohmann::json& metrics) {
+  metrics["notes"].push_back(text + ".");
+  metrics["warnings"].push_back({{"code", code}, {"row", ""}, {"message", text}});
+}
+
+/// A recogniser that does not know real motions measures nothing.
+static void NoteVoid(double least, nlohmann::json& metrics) {
+  for (const nlohmann::json& row : metrics.value("rows", nlohmann::json::array())) {
+    if (!row.value("real", false)) continue;
+    const nlohmann::json accuracy =
+        row.at("metrics").value("accuracy", nlohmann::json::object()).value("value", nlohmann::json());
+    if (!accuracy.is_number() || accuracy.get<double>() >= least) return;
+    return Warn("void",
+                "Void: " + metrics.value("extractor", std::string("the recogniser")) + " recognises " +
+                    RoundedText(accuracy.get<double>(), 2) + " of the real motions, less than " +
+                    RoundedText(least, 2) + "; train it longer before a number of this table is read",
+                metrics);
+  }
+}
+
 /// Features of a network that recognises less than a nearest neighbour of joint positions are no measure of motions.
 static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& metrics) {
   const nlohmann::json scored =
@@ -231,8 +251,7 @@ static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& me
   const std::string text = recogniser + " recognises " + RoundedText(own, 2) +
                            " of the test clips, a nearest neighbour of their joint positions " + RoundedText(other, 2) +
                            ": it is unfit as an extractor, train it longer before its FIDs are read";
-  metrics["notes"].push_back(text + ".");
-  metrics["warnings"].push_back({{"code", "unfit_extractor"}, {"row", ""}, {"message", text}});
+  Warn("unfit_extractor", text, metrics);
 }
 
 nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result) {
@@ -241,6 +260,7 @@ nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, cons
     metrics["notes"].push_back(network + " was not trained: " + error.Message());
   }
   metrics["nearest_neighbour"] = result.audit.value("nearest_neighbour", nlohmann::json());
+  NoteVoid(options.evaluate.least_real_accuracy, metrics);
   NoteUnfitExtractor(RecogniserOf(options), metrics);
   return metrics;
 }

@@ -29,6 +29,7 @@
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
 #include "job/training_run.h"
+#include "report/charts.h"
 #include "train/stages.h"
 
 namespace mocurate {
@@ -417,6 +418,11 @@ class MainJob {
     }
     if (!result_.metrics.at("rows").empty()) {
       if (Status written = WriteTable(result_.metrics, "table", result_.table); !written) return written;
+    }
+    if (const auto learning = LearningSheet(result_.metrics.at("rows"), options_.name)) {
+      const std::filesystem::path file = folder() / "tables" / "learning.svg";
+      if (Status written = WriteFile(file, ToSvg(learning->Draw())); !written) return written;
+      result_.tables.push_back(file);
     }
     if (recognition_.at("rows").empty()) return {};
     recognition_["notes"] = TrainingNotes(options_.train, RecogniserOf(options_));

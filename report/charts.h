@@ -79,6 +79,10 @@ std::string PlotHtml(const Plot& plot);
 /// to 1000 on a logarithmic axis.
 PlotSheet DoseSheet(const nlohmann::json& dose, const std::string& title);
 
+/// How networks learned: FID_equal, KID, accuracy and movement over the steps of their samples, beside the levels of
+/// real motions and of yardsticks. `rows` as of metrics.json; nothing where no network has two samples.
+std::optional<PlotSheet> LearningSheet(const nlohmann::json& rows, const std::string& title);
+
 /// Round steps (1, 2, 5 times a power of ten) that cover [low, high] with at most `most` marks.
 std::vector<double> AxisMarks(double low, double high, int most);
 

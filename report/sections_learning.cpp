@@ -244,6 +244,11 @@ std::string CurvesHtml(const ReportInput& input) {
       recognisers[item.substr(0, item.find('/'))].emplace_back(item.substr(item.find('/') + 1), training);
   }
   for (const auto& [kind, seeds] : recognisers) charts += RecogniserCharts(kind, seeds);
+  if (const auto learning = LearningSheet(Field(Field(input.run, "metrics"), "rows"), "")) {
+    std::string scores;
+    for (const Plot& plot : learning->plots) scores += PlotHtml(plot);
+    charts = scores + charts;
+  }
   if (charts.empty()) return Paragraph("No training of this run has a history.");
   return "<div class=\"charts wide\">\n" + charts + "</div>\n";
 }

@@ -234,16 +234,6 @@ TEST(Ssmct, LossRisesAlongItsGradientAsTheGradientSays) {
   EXPECT_NEAR(trace->total, trace->terms.at("pose") + trace->terms.at("joint"), 1e-6);
 }
 
-TEST(Ssmct, LossFallsInTraining) {
-  TracedNetwork network = SmallSsmct();
-  network.options.learning.learning_rate = 3e-3;
-  const Tensor frames = RandomFrames(kLongestMotion, 3, "training");
-  const TraceBatch batch = ThreeMotions(frames, 200);
-  const auto trace = TraceStep(network, batch);
-  ASSERT_TRUE(trace) << trace.error().Message();
-  EXPECT_LT(trace->totals.back(), 0.2 * trace->totals.front());
-}
-
 TEST(Ssmct, LossReadsRotationsAndPlacesOfABatch) {
   const auto network = BuildSmallSsmct();
   const Tensor frames = RandomFrames(kLongestMotion, 2, "batch");

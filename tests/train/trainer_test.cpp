@@ -2,7 +2,9 @@
 
 #include "train/trainer/trainer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <algorithm>
 #include <cmath>
@@ -259,19 +261,6 @@ TEST_F(Trainer, AMotionBatchIsJudgedByTheMotionDiscriminatorAlone) {
   EXPECT_EQ(TrainNetwork(Toy(), options, {})->history, TrainNetwork(Toy(), all, {})->history);
 }
 
-TEST_F(Trainer, AVaeLearnsToReconstruct) {
-  for (const bool lie : {true, false}) {
-    NetworkOptions options = Small(NetworkKind::kAction2Motion);
-    options.action2motion.lie = lie;
-    options.learning.iterations = 150;
-    options.learning.learning_rate = 1e-2;
-    const Expected<Checkpoint> checkpoint = TrainNetwork(Toy(), options, {});
-    ASSERT_TRUE(checkpoint) << checkpoint.error().Message();
-    const std::vector<double>& loss = checkpoint->history.at("reconstruction");
-    EXPECT_LT(loss.back(), 0.3 * loss.front());
-  }
-}
-
 TEST_F(Trainer, SmallerFractionsAreParts) {
   const TrainingSet set = *PackTrainingSet(ToyDataset(10));
   TrainingDataOptions options;
@@ -335,6 +324,58 @@ TEST_F(Trainer, BadInputEndsWithItsCode) {
   TrainingSet few = Toy();
   few.splits[0].train.resize(1);
   EXPECT_FALSE(TrainNetwork(few, Small(NetworkKind::kAction2Motion), {}));
+}
+
+TEST_F(Trainer, AfterAFailureOfTheDeviceOrAFullDiskItGoesOnBitForBit) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  options.learning.save_every = 3;
+  const std::string straight = BytesOf(TrainNetwork(Toy(), options, {}));
+  TrainingControl control;
+  control.scratch = folder_ / "scratch";
+  control.progress = [](double share, const std::string&) {
+    if (share > 0.5) throw c10::Error("CUDA error: device lost\nmore", "", nullptr);
+  };
+  const auto lost = TrainNetwork(Toy(), options, control);
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().code, ErrorCode::kInternal) << "of the CPU's library: a defect";
+  EXPECT_THAT(lost.error().what, testing::EndsWith("device lost"));
+  control.progress = [](double, const std::string&) {};
+  // No room for the next state: a folder has the name of the file that is written first.
+  const std::string state = *ReadFile(control.scratch / "training_state.h5");
+  std::filesystem::remove(control.scratch / "training_state.h5");
+  std::filesystem::create_directories(control.scratch / "training_state.h5" / "full");
+  const auto full = TrainNetwork(Toy(), options, control);
+  ASSERT_FALSE(full);
+  EXPECT_EQ(full.error().code, ErrorCode::kCannotWrite);
+  std::filesystem::remove_all(control.scratch / "training_state.h5");
+  ASSERT_TRUE(WriteFile(control.scratch / "training_state.h5", state));
+  EXPECT_TRUE(straight == BytesOf(TrainNetwork(Toy(), options, control)));
+}
+
+TEST_F(Trainer, ACheckpointOfAnotherVersionIsRefusedAndATrainingOfOneStartsAnew) {
+  NetworkOptions options = Small(NetworkKind::kAction2Motion);
+  options.learning.save_every = 5;
+  const std::string straight = BytesOf(TrainNetwork(Toy(), options, {}));
+  ASSERT_TRUE(WriteFile(folder_ / "other.h5", straight));
+  const hid_t file = H5Fopen((folder_ / "other.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t schema = H5Aopen(file, "schema", H5P_DEFAULT), type = H5Aget_type(schema);
+  const char* name = "mocurate-checkpoint/9";
+  ASSERT_GE(H5Awrite(schema, type, H5Tis_variable_str(type) > 0 ? static_cast<const void*>(&name) : name), 0);
+  H5Tclose(type);
+  H5Aclose(schema);
+  H5Fclose(file);
+  const auto read = ReadCheckpoint(folder_ / "other.h5");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kInconsistent);
+  EXPECT_THAT(read.error().what, testing::HasSubstr("mocurate-checkpoint/9"));
+  TrainingControl control;
+  control.scratch = folder_ / "scratch";
+  ASSERT_TRUE(MakeFolder(control.scratch));
+  std::filesystem::copy_file(folder_ / "other.h5", control.scratch / "training_state.h5");
+  std::vector<std::string> found;
+  control.report = [&](const Finding& finding) { found.push_back(finding.code); };
+  EXPECT_TRUE(straight == BytesOf(TrainNetwork(Toy(), options, control)));
+  EXPECT_EQ(found, std::vector<std::string>{"training_restarted"});
 }
 
 TEST_F(Trainer, ClipsOfOneFrameAndMotionsThatStandStillTrain) {

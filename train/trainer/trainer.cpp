@@ -66,7 +66,7 @@ class Training {
     if (Status begun = Begin(); !begun) return Forward(begun);
     while (!ended_) {
       if (control_.stop()) return Interrupted();
-      if (Status stepped = Step(); !stepped) return Forward(stepped);
+      if (Status stepped = GuardedStep(); !stepped) return Forward(stepped);
       if (round_step_ == until_) {
         if (Status ended = EndRound(); !ended) return Forward(ended);
       }
@@ -350,6 +350,20 @@ class Training {
   double RateFactor() const {
     if (!recognises_ || !options_.recogniser.anneal) return 1.0;
     return 0.5 * (1.0 + std::cos(kPi * static_cast<double>(round_step_) / static_cast<double>(steps_)));
+  }
+
+  /// A device that vanishes, or its memory that runs out, is no defect: the last saved state is kept.
+  Status GuardedStep() {
+    try {
+      return Step();
+    } catch (const c10::Error& error) {
+      const std::string what = error.what_without_backtrace();
+      const bool cuda = options_.learning.device == TrainDevice::kCuda;
+      return Fail(cuda ? ErrorCode::kMissingOnHost : ErrorCode::kInternal,
+                  std::string(cuda ? "the CUDA device" : "libtorch") + " failed after " + Counted(state_.step, "step") +
+                      ": " + what.substr(0, what.find('\n')),
+                  options_.name, cuda ? "run again to continue from the last saved state" : "");
+    }
   }
 
   Status Step() {

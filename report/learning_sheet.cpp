@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "report/charts.h"
+#include "report/run_facts.h"
+
+namespace mocurate {
+namespace {
+
+/// A plotted metric; of `FID_equal` each row states that of real motions, with its standard deviation.
+struct Learned {
+  const char* metric;
+  const char* title;
+  bool decades;
+};
+constexpr Learned kLearned[] = {{"FID_equal", "FID, equal sizes (less is better)", true},
+                                {"KID", "KID (less is better)", false},
+                                {"accuracy", "Accuracy (more is better)", false},
+                                {"movement_of_real", "Movement, of real motions (1 is as they move)", false}};
+
+const nlohmann::json& MetricOf(const nlohmann::json& row, const char* metric) {
+  return Field(Field(row, "metrics"), metric);
+}
+
+std::optional<PlotPoint> PointOf(const nlohmann::json& row, const char* metric, double x) {
+  const nlohmann::json& found = MetricOf(row, metric);
+  const auto value = NumberOf(found, "value");
+  if (!value) return std::nullopt;
+  PlotPoint point{x, *value};
+  const std::vector<double> interval = NumbersOf(Field(found, "interval"));
+  if (interval.size() == 2) std::tie(point.low, point.high) = std::pair(interval[0], interval[1]);
+  return point;
+}
+
+/// The steps of a network's row, and the network without its sample's step: "ACTOR/1" of "ACTOR/1@3700".
+struct Sample {
+  std::string network;
+  double steps = 0.0;
+  const nlohmann::json* row = nullptr;
+};
+
+void AddSamples(const nlohmann::json& row, std::vector<Sample>& samples) {
+  for (const nlohmann::json& seed : Elements(Field(row, "seeds"))) AddSamples(seed, samples);
+  const auto steps = NumberOf(Field(row, "ours"), "steps");
+  if (!Elements(Field(row, "seeds")).empty() || !steps) return;
+  const std::string name = TextOf(row, "name");
+  samples.push_back({name.substr(0, name.rfind('@')), *steps, &row});
+}
+
+/// The same value at all steps: real motions, and yardsticks made of them.
+std::optional<PlotCurve> Level(const nlohmann::json& row, const char* metric, double end) {
+  std::optional<PlotPoint> point = PointOf(row, metric, 0.0);
+  const bool real = Field(row, "real").is_boolean() && Field(row, "real").get<bool>();
+  if (real && metric == std::string("movement_of_real") && TextOf(row, "name") == "Real") point = PlotPoint{0.0, 1.0};
+  if (!point) return std::nullopt;
+  PlotPoint last = *point;
+  last.x = end;
+  return PlotCurve{TextOf(row, "name"), {*point, last}};
+}
+
+Plot PlotOf(const Learned& learned, const nlohmann::json& rows, const std::map<std::string, std::vector<Sample>>& of,
+            double end) {
+  Plot plot{learned.title, "training step", ""};
+  for (const auto& [network, samples] : of) {
+    PlotCurve curve{network, {}};
+    for (const Sample& sample : samples) {
+      if (const auto point = PointOf(*sample.row, learned.metric, sample.steps)) curve.points.push_back(*point);
+    }
+    if (curve.points.size() > 1) plot.curves.push_back(std::move(curve));
+  }
+  if (plot.curves.empty()) return plot;
+  const bool equal = learned.metric == std::string("FID_equal");
+  if (equal) {  // with as many motions as the rows have
+    const nlohmann::json& fid = MetricOf(*of.begin()->second.back().row, learned.metric);
+    if (const auto real = NumberOf(fid, "real")) {
+      const double sd = NumberOf(fid, "real_sd").value_or(0.0);
+      plot.curves.push_back(
+          {"Real ± sd", {{0.0, *real, *real - sd, *real + sd}, {end, *real, *real - sd, *real + sd}}});
+    }
+  }
+  for (const nlohmann::json& row : rows) {
+    const bool of_real = Field(row, "real") == true || Field(row, "given") == "motions";
+    if (!of_real || (equal && TextOf(row, "name") == "Real")) continue;
+    if (auto level = Level(row, learned.metric, end)) plot.curves.push_back(*std::move(level));
+  }
+  if (!learned.decades) return plot;
+  double least = HUGE_VAL, most = 0.0;
+  for (const PlotCurve& curve : plot.curves) {
+    for (const PlotPoint& point : curve.points) {
+      least = std::min(least, point.low.value_or(point.y));
+      most = std::max(most, point.high.value_or(point.y));
+    }
+  }
+  if (least > 0.0) plot.decades = {std::floor(std::log10(least)), std::ceil(std::log10(most))};
+  return plot;
+}
+
+}  // namespace
+
+std::optional<PlotSheet> LearningSheet(const nlohmann::json& rows, const std::string& title) {
+  std::vector<Sample> samples;
+  for (const nlohmann::json& row : Elements(rows)) AddSamples(row, samples);
+  std::map<std::string, std::vector<Sample>> of_network;
+  double end = 0.0;
+  for (const Sample& sample : samples) {
+    of_network[sample.network].push_back(sample);
+    end = std::max(end, sample.steps);
+  }
+  for (auto& [network, own] : of_network) {
+    std::sort(own.begin(), own.end(), [](const Sample& a, const Sample& b) { return a.steps < b.steps; });
+  }
+  PlotSheet sheet{
+      title, "Bands: 95 % over other motions; of real motions the standard deviation of the draws.", "", {}, 2};
+  for (const Learned& learned : kLearned) {
+    Plot plot = PlotOf(learned, rows, of_network, end);
+    if (!plot.curves.empty()) sheet.plots.push_back(std::move(plot));
+  }
+  if (sheet.plots.empty()) return std::nullopt;
+  return sheet;
+}
+
+}  // namespace mocurate
