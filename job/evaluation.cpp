@@ -251,7 +251,11 @@ class EvaluationRun {
         continue;
       }
       nlohmann::json row = item.summary;
-      for (const nlohmann::json& warning : row.at("warnings")) result_.warnings.push_back(warning);
+      const ScoredSet* set = RowOf(names[i]);
+      const bool yardstick = set != nullptr && set->yardstick != Yardstick::kNone;  // copies, or still, by design
+      for (const nlohmann::json& warning : row.at("warnings")) {
+        if (!yardstick) result_.warnings.push_back(warning);
+      }
       row.erase("warnings");
       if (evaluation_.extractor.body == BodyRule::kMeanShape) NoteOfBody(row);
       if (IsBareArray(names[i])) row["assumed"].push_back("array_in_extractor_frame");

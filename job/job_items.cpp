@@ -223,19 +223,20 @@ static void Warn(const char* code, const std::string& text, nlohmann::json& metr
   metrics["warnings"].push_back({{"code", code}, {"row", ""}, {"message", text}});
 }
 
-/// A recogniser that does not know real motions measures nothing.
+/// A recogniser of a low accuracy on real motions measures nothing.
 static void NoteVoid(double least, nlohmann::json& metrics) {
+  std::optional<double> worst;  // of the parts: the recogniser may have learned from the first
   for (const nlohmann::json& row : metrics.value("rows", nlohmann::json::array())) {
     if (!row.value("real", false)) continue;
     const nlohmann::json accuracy =
         row.at("metrics").value("accuracy", nlohmann::json::object()).value("value", nlohmann::json());
-    if (!accuracy.is_number() || accuracy.get<double>() >= least) return;
-    return Warn("void",
-                "Void: " + metrics.value("extractor", std::string("the recogniser")) + " recognises " +
-                    RoundedText(accuracy.get<double>(), 2) + " of the real motions, less than " +
-                    RoundedText(least, 2) + "; train it longer before a number of this table is read",
-                metrics);
+    if (accuracy.is_number()) worst = std::min(worst.value_or(1.0), accuracy.get<double>());
   }
+  if (!worst || *worst >= least) return;
+  Warn("void",
+       "Void: the recogniser's accuracy on real motions is " + RoundedText(*worst, 2) + ", less than " +
+           RoundedText(least, 2) + "; train it longer before a number of this table is read",
+       metrics);
 }
 
 /// Features of a network that recognises less than a nearest neighbour of joint positions are no measure of motions.

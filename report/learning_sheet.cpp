@@ -2,6 +2,9 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <tuple>
 
 #include "report/charts.h"
 #include "report/run_facts.h"
@@ -34,7 +37,8 @@ std::optional<PlotPoint> PointOf(const nlohmann::json& row, const char* metric, 
   return point;
 }
 
-/// The steps of a network's row, and the network without its sample's step: "ACTOR/1" of "ACTOR/1@3700".
+/// The steps of a network's row, and the network without its sample's step: "ACTOR/1, 8 frames" of
+/// "ACTOR/1@3700, 8 frames".
 struct Sample {
   std::string network;
   double steps = 0.0;
@@ -45,8 +49,11 @@ void AddSamples(const nlohmann::json& row, std::vector<Sample>& samples) {
   for (const nlohmann::json& seed : Elements(Field(row, "seeds"))) AddSamples(seed, samples);
   const auto steps = NumberOf(Field(row, "ours"), "steps");
   if (!Elements(Field(row, "seeds")).empty() || !steps) return;
-  const std::string name = TextOf(row, "name");
-  samples.push_back({name.substr(0, name.rfind('@')), *steps, &row});
+  std::string name = TextOf(row, "name");
+  if (const std::size_t at = name.rfind('@'); at != std::string::npos) {
+    name.erase(at, name.find_first_not_of("0123456789", at + 1) - at);
+  }
+  samples.push_back({name, *steps, &row});
 }
 
 /// The same value at all steps: real motions, and yardsticks made of them.
@@ -86,14 +93,16 @@ Plot PlotOf(const Learned& learned, const nlohmann::json& rows, const std::map<s
     if (auto level = Level(row, learned.metric, end)) plot.curves.push_back(*std::move(level));
   }
   if (!learned.decades) return plot;
-  double least = HUGE_VAL, most = 0.0;
+  double least = HUGE_VAL, most = 0.0;  // of positive values; others are drawn at the lower edge
   for (const PlotCurve& curve : plot.curves) {
     for (const PlotPoint& point : curve.points) {
-      least = std::min(least, point.low.value_or(point.y));
+      if (point.y > 0.0) least = std::min(least, point.y);
       most = std::max(most, point.high.value_or(point.y));
     }
   }
-  if (least > 0.0) plot.decades = {std::floor(std::log10(least)), std::ceil(std::log10(most))};
+  if (most <= 0.0) return plot;
+  const double low = std::floor(std::log10(std::min(least, most)));
+  plot.decades = {low, std::max(low + 1.0, std::ceil(std::log10(most)))};
   return plot;
 }
 
@@ -111,8 +120,14 @@ std::optional<PlotSheet> LearningSheet(const nlohmann::json& rows, const std::st
   for (auto& [network, own] : of_network) {
     std::sort(own.begin(), own.end(), [](const Sample& a, const Sample& b) { return a.steps < b.steps; });
   }
-  PlotSheet sheet{
-      title, "Bands: 95 % over other motions; of real motions the standard deviation of the draws.", "", {}, 2};
+  std::set<std::string> kinds;  // of intervals
+  for (const Sample& sample : samples) {
+    for (const Learned& learned : kLearned)
+      kinds.insert(TextOf(MetricOf(*sample.row, learned.metric), "interval_kind"));
+  }
+  kinds.erase("");
+  PlotSheet sheet{title, "", "", {}, 2};
+  for (const std::string& kind : kinds) sheet.note += (sheet.note.empty() ? "Bands: " : ", ") + kind;
   for (const Learned& learned : kLearned) {
     Plot plot = PlotOf(learned, rows, of_network, end);
     if (!plot.curves.empty()) sheet.plots.push_back(std::move(plot));

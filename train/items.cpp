@@ -14,7 +14,9 @@ namespace mocurate {
 namespace {
 
 constexpr double kMostIterations = 1e8;  // range of `iterations`
-constexpr const char* kRealRows[] = {"Real", "Real-test", "reference", "reference_test"};
+/// Rows of no network.
+constexpr const char* kOtherRows[] = {"Real",      "Real-test",       "reference", "reference_test",
+                                      "Retrieval", "Shuffled labels", "Mean pose"};
 
 /// The item of a network with this seed, else with its first one; empty for an unknown name.
 std::string ItemOf(const TrainOptions& options, const std::string& name, double seed) {
@@ -182,9 +184,9 @@ Status CheckStart(const TrainOptions& options, std::size_t at, const std::string
   return {};
 }
 
-/// Each row of the table belongs to one network, and none has the name of a row of real motions.
+/// Each row of the table belongs to one network, and none has the name of another row.
 Status CheckRowNames(const TrainOptions& options) {
-  std::set<std::string> seen(std::begin(kRealRows), std::end(kRealRows));
+  std::set<std::string> seen(std::begin(kOtherRows), std::end(kOtherRows));
   for (std::size_t i = 0; i < options.networks.size(); ++i) {
     std::vector<TrainItem> items;
     for (const double seed : options.networks[i].seeds)

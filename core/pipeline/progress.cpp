@@ -54,7 +54,7 @@ void Progress::RemoveRecord() const {
 }
 
 void Progress::Count(const std::string& item, bool executed, bool failed) {
-  at_work_.erase(item);
+  if (at_work_.erase(item) > 0) WriteRecord();
   finished_ += 1;
   executed_ += executed ? 1 : 0;
   failed_ += failed ? 1 : 0;
@@ -79,6 +79,7 @@ void Progress::Detail(const std::string& name, double fraction, const std::strin
 }
 
 void Progress::WriteRecord() {
+  if (file_.empty()) return;
   nlohmann::json items = nlohmann::json::array();
   for (const auto& [name, item] : at_work_) {
     items.push_back({{"item", name}, {"share", item.share}, {"text", item.text}, {"time", item.time}});

@@ -186,7 +186,27 @@ class FeaturesRun {
     return {};
   }
 
-  Status OfGenerator(const Dataset& dataset, const AnswerRequests& answer) {
+  Status OfYardstick(const Dataset& dataset, const std::set<int>& skipped) {
+    const auto yardsticks = Yardsticks::Make(options_.yardstick, dataset, skipped, options_);
+    if (!yardsticks) return Forward(yardsticks);
+    std::vector<std::string> clips;  // of the last answers
+    const AnswerRequests answer = [&](const std::vector<MotionRequest>& requests) -> Expected<std::vector<Motion>> {
+      clips.clear();
+      std::vector<Motion> motions;
+      for (const MotionRequest& request : requests) {
+        auto answered = yardsticks->Of(request);
+        if (!answered) return Forward(answered);
+        clips.push_back(std::move(answered->clip));
+        motions.push_back(std::move(answered->motion));
+      }
+      return motions;
+    };
+    return OfGenerator(dataset, answer, &clips);
+  }
+
+  /// `clips`: ids of the motions that were answered last; null: each motion is one of its own.
+  Status OfGenerator(const Dataset& dataset, const AnswerRequests& answer,
+                     const std::vector<std::string>* clips = nullptr) {
     const auto rows = RowsOfPart(dataset, options_.part, options_.split);
     if (!rows) return Forward(rows);
     std::vector<int> class_of;
@@ -223,7 +243,8 @@ class FeaturesRun {
             scripted && step > 0 ? request.script[static_cast<std::size_t>(step - 1)].label : request.label;
         pass.motions.push_back(&(*motions)[i]);
         pass.labels.push_back(class_of[static_cast<std::size_t>(label)]);
-        pass.clips.push_back("generated/" + std::to_string(p) + "/" + std::to_string(i));
+        pass.clips.push_back(clips != nullptr ? (*clips)[i]
+                                              : "generated/" + std::to_string(p) + "/" + std::to_string(i));
       }
       if (p == 0) AddQuality(pass.motions, options_, threads_, set_.quality);
       if (Status added = Append(pass, p, passes); !added) return added;
@@ -330,9 +351,7 @@ Expected<StageOutcome> Features(const OpenGenerator& open_generator, const Stage
     if (!answer) return Forward(answer);
     done = run.OfGenerator(*dataset, *answer);
   } else if (options->yardstick != Yardstick::kNone) {
-    const auto answer = AnswersOf(options->yardstick, *dataset, *options);
-    if (!answer) return Forward(answer);
-    done = run.OfGenerator(*dataset, *answer);
+    done = run.OfYardstick(*dataset, skipped);
   } else {
     done = run.OfDataset(*dataset, skipped);
   }

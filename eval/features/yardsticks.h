@@ -1,15 +1,37 @@
 #pragma once
 
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/motion/request.h"
 #include "core/store/store.h"
 #include "eval/options.h"
-#include "eval/stages.h"
 
 namespace mocurate {
 
-/// Answers requests as a yardstick does, from the training part of the set: a clip of the label, drawn by the request's
-/// seed; a clip of any label; or the label's mean pose for the requested frames: means of joints about the root and of
-/// the root's height, chordal means of rotations. Of samples of two actions the part alone. `set` must outlive the
-/// answers. Error kInconsistent where a label has no training clip, and those of TrainingRows.
-Expected<AnswerRequests> AnswersOf(Yardstick yardstick, const Dataset& set, const FeaturesOptions& options);
+/// Answers requests without a network, from the training part of a set: by a clip of the label, drawn by the request's
+/// seed; by a clip of any label; or by the mean pose of the label for the requested frames. Of samples of two actions
+/// the part alone.
+class Yardsticks {
+ public:
+  /// Without the rows `skipped`. Error kInconsistent where a clip lacks the part; errors of TrainingRows.
+  static Expected<Yardsticks> Make(Yardstick yardstick, const Dataset& set, const std::set<int>& skipped,
+                                   const FeaturesOptions& options);
+
+  struct Answer {
+    std::string clip;  ///< id of the training clip; "mean pose/LABEL"
+    Motion motion;
+  };
+  /// Error kInconsistent where the label has no training clip.
+  Expected<Answer> Of(const MotionRequest& request) const;
+
+ private:
+  Yardstick yardstick_ = Yardstick::kNone;
+  std::vector<std::string> names_;               ///< of the set's labels
+  std::vector<int> labels_;                      ///< with training clips
+  std::map<int, std::vector<Answer>> of_label_;  ///< the mean pose: one frame
+};
 
 }  // namespace mocurate

@@ -123,15 +123,31 @@ const char* StateOf(const fs::path& folder, const Json& run) {
   return run.contains("ended") ? "ended" : "cut_short";
 }
 
-/// Items at work, or that were when the run was cut short: {"item", "share", "text", "time"}, with the stage.
+/// Adds items at work, or that were when the run was cut short: {"item", "share", "text", "time", "stage"}. A file that
+/// is no such record is passed over.
+void AddAtWork(const fs::path& folder, const std::string& started, Json& items) {
+  const auto record = ReadJson(folder / kProgressFile);
+  if (!record || !record->is_object() || !record->value("items", Json()).is_array()) return;
+  const auto text = [](const Json& json, const char* key) {
+    return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
+  };
+  for (const Json& item : record->at("items")) {
+    if (!item.is_object() || !item.value("share", Json()).is_number() || text(item, "time") < started) continue;
+    items.push_back({{"item", text(item, "item")},
+                     {"share", item["share"]},
+                     {"text", text(item, "text")},
+                     {"time", text(item, "time")},
+                     {"stage", text(*record, "stage")}});
+  }
+}
+
+/// Of the run, and of its sets.
 Json AtWork(const fs::path& folder, const std::string& started) {
   Json items = Json::array();
-  const auto record = ReadJson(folder / kProgressFile);
-  if (!record) return items;
-  for (Json item : record->at("items")) {
-    if (item.at("time").get<std::string>() < started) continue;
-    item["stage"] = record->at("stage");
-    items.push_back(std::move(item));
+  AddAtWork(folder, started, items);
+  std::error_code missing;
+  for (fs::directory_iterator set(folder / "data", missing), end; !missing && set != end; set.increment(missing)) {
+    AddAtWork(set->path(), started, items);
   }
   return items;
 }
@@ -233,9 +249,10 @@ std::string RunText(const Json& run) {
   }
   for (const Json& item : run.at("at_work")) {
     const std::string share = std::to_string(static_cast<int>(100.0 * item.at("share").get<double>())) + " % ";
-    text += DescriptionLine("at work", item.at("stage").get<std::string>() + " " + item.at("item").get<std::string>() +
-                                           ": " + share + item.at("text").get<std::string>() + " (" +
-                                           item.at("time").get<std::string>() + ")");
+    text +=
+        DescriptionLine(run.at("state") == "at_work" ? "at work" : "was at work",
+                        item.at("stage").get<std::string>() + " " + item.at("item").get<std::string>() + ": " + share +
+                            item.at("text").get<std::string>() + " (" + item.at("time").get<std::string>() + ")");
   }
   if (!run.at("clips").empty()) {
     text += DescriptionLine("clips", ClipsText(CountsOf(run)));

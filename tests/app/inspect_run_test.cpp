@@ -61,8 +61,13 @@ TEST(InspectRun, OutputsOlderThanARunThatWasCutShortAreStale) {
   const auto begun = fs::file_time_type::clock::now() - std::chrono::hours(1);
   fs::last_write_time(run / "run.json", begun);
   fs::last_write_time(run / "dataset.h5", begun - std::chrono::hours(1));
+  WriteText(run / "progress.json",
+            R"({"stage": "train", "items": [{"item": "A/1", "share": 0.5, "text": "step 5 of 10", "time": "9999"},
+                {"item": "B/1", "share": 0.5, "text": "of an earlier run", "time": "1999"}]})");
   const nlohmann::json json = RunProgram(folder, {"inspect", run.string(), "--json"}).Json();
   EXPECT_EQ(json["state"], "cut_short");
+  ASSERT_EQ(json["at_work"].size(), 1u);
+  EXPECT_EQ(json["at_work"][0]["text"], "step 5 of 10");
   EXPECT_EQ(json["files"], nlohmann::json({"curation_log.jsonl"}));
   EXPECT_EQ(json["stale"], nlohmann::json::array({{{"file", "dataset.h5"}, {"stage", "assemble"}}}));
 }

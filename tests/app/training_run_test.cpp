@@ -238,22 +238,35 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveDifferentNames) {
   }
 }
 
-TEST(TrainingRun, DurationsAreRowsAndANetworkStartsFromAnother) {
+TEST(TrainingRun, DurationsAndYardsticksAreRowsAndANetworkStartsFromAnother) {
   const ScratchFolder folder;
-  const std::string actor = "split: s, frames: 10, latent: 16, layers: 1, heads: 2, feed_forward: 16, iterations: 1";
+  const std::string actor = "split: s, frames: 10, latent: 16, layers: 1, heads: 2, feed_forward: 16, iterations: 2";
   const Result result = TrainingProgram(
-      folder, TrainingJob(folder, {"train.networks=[{kind: actor, name: A, " + actor + "}, {kind: actor, name: B, " +
-                                       actor + ", longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
+      folder, TrainingJob(folder, {"train.networks=[{kind: actor, name: A, " + actor +
+                                       ", samples_at: [1]}, {kind: actor, name: B, " + actor +
+                                       ", longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
                                        "name: R, split: s, frames: 10, hidden: 4, epochs: 1}]",
-                                   "evaluate.durations=[8, 14]"}));
+                                   "evaluate.durations=[8, 14]", "evaluate.yardsticks=true"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
   std::vector<std::string> names;
   for (const nlohmann::json& row : table["rows"]) {
     names.push_back(row["name"]);
-    EXPECT_TRUE(row["name"] == "Real" || row["ours"]["steps"] == 1) << row["name"];
+    const std::string name = names.back();
+    const bool made = name[0] == 'A' || name[0] == 'B';
+    EXPECT_EQ(row["ours"]["steps"], made ? nlohmann::json(name.find('@') == std::string::npos ? 2 : 1) : nullptr);
+    EXPECT_EQ(row.value("given", ""), made || name == "Real" ? "" : "motions") << name;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"Real", "A, 8 frames", "A, 14 frames", "B, 8 frames", "B, 14 frames"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"Real", "Retrieval", "Shuffled labels", "Mean pose", "A@1, 8 frames",
+                                      "A@1, 14 frames", "A, 8 frames", "A, 14 frames", "B, 8 frames", "B, 14 frames"}));
+  const std::string learning = ReadText(folder / "r/tables/learning.svg");
+  for (const char* name : {"A, 8 frames", "A, 14 frames", "Retrieval", "Accuracy"})
+    EXPECT_THAT(learning, HasSubstr(name));
+  EXPECT_THAT(learning, Not(HasSubstr("B, 8 frames"))) << "of two steps, one sample";
+  const nlohmann::json metrics = nlohmann::json::parse(ReadText(folder / "r/metrics.json"));
+  EXPECT_TRUE(std::any_of(metrics["warnings"].begin(), metrics["warnings"].end(),
+                          [](const nlohmann::json& warning) { return warning["code"] == "void"; }));
   EXPECT_EQ(TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8, 8]"})).exit_code, 2);
   EXPECT_EQ(
       TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8]", "evaluate.generators=false"})).exit_code,

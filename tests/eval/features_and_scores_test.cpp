@@ -104,41 +104,43 @@ TEST_F(ToyEvaluation, YardsticksAreMadeOfTrainingClips) {
     requests[i].seed = i;
   }
   for (const Yardstick yardstick : {Yardstick::kRetrieval, Yardstick::kShuffledLabels}) {
-    const auto answer = AnswersOf(yardstick, dataset_, {});
-    ASSERT_TRUE(answer) << answer.error().Message();
-    const auto motions = (*answer)(requests);
-    ASSERT_TRUE(motions) << motions.error().Message();
-    EXPECT_EQ((*answer)({requests[7]})->front().joints.xyz, (*motions)[7].joints.xyz) << "by its own seed";
+    const auto answers = Yardsticks::Make(yardstick, dataset_, {train[0]}, {});
+    ASSERT_TRUE(answers) << answers.error().Message();
     int of_label = 0;
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-      const auto clip = std::find_if(train.begin(), train.end(), [&](int row) {
-        return dataset_.clips[static_cast<std::size_t>(row)].motion->joints.xyz == (*motions)[i].joints.xyz;
+    for (const MotionRequest& request : requests) {
+      const auto answer = answers->Of(request);
+      ASSERT_TRUE(answer) << answer.error().Message();
+      const auto row = std::find_if(train.begin() + 1, train.end(), [&](int candidate) {
+        return dataset_.clips[static_cast<std::size_t>(candidate)].id() == answer->clip;
       });
-      ASSERT_NE(clip, train.end()) << "not a training clip";
-      const std::string& label = dataset_.clips[static_cast<std::size_t>(*clip)].label;
-      of_label += dataset_.LabelIndex(label) == requests[i].label ? 1 : 0;
+      ASSERT_NE(row, train.end()) << "not a training clip, or the skipped one";
+      const Clip& clip = dataset_.clips[static_cast<std::size_t>(*row)];
+      EXPECT_EQ(answer->motion.joints.xyz, clip.motion->joints.xyz);
+      of_label += dataset_.LabelIndex(clip.label) == request.label ? 1 : 0;
     }
     EXPECT_NEAR(of_label, yardstick == Yardstick::kRetrieval ? 30 : 10, yardstick == Yardstick::kRetrieval ? 0 : 8);
   }
   for (const Dataset& set : {dataset_, TurningDataset(2)}) {
-    const auto motions = (*AnswersOf(Yardstick::kMeanPose, set, {}))(requests);
-    ASSERT_TRUE(motions) << motions.error().Message();
-    EXPECT_EQ((*motions)[0].frame_count(), 9);
-    EXPECT_EQ(motions->front().joints_only(), set.joints_only);
-    EXPECT_TRUE((*motions)[0].Check());
-    EXPECT_EQ((*motions)[4].joints.at(0, 2), (*motions)[4].joints.at(8, 2)) << "it stands still";
-    EXPECT_NE((*motions)[0].joints.xyz, (*motions)[1].joints.xyz) << "each class has its own";
-    EXPECT_EQ((*motions)[0].joints.xyz, (*motions)[3].joints.xyz);
-    EXPECT_NEAR((*motions)[0].joints.at(0, 0).y(), 1.0, 1e-9);
+    const Yardsticks answers = *Yardsticks::Make(Yardstick::kMeanPose, set, {}, {});
+    const Motion slow = answers.Of(requests[0])->motion, quick = answers.Of(requests[1])->motion;
+    EXPECT_EQ(slow.frame_count(), 9);
+    EXPECT_EQ(slow.joints_only(), set.joints_only);
+    EXPECT_TRUE(slow.Check());
+    EXPECT_EQ(slow.joints.at(0, 2), slow.joints.at(8, 2)) << "it stands still";
+    EXPECT_NE(slow.joints.xyz, quick.joints.xyz) << "each class has its own";
+    EXPECT_EQ(slow.joints.xyz, answers.Of(requests[3])->motion.joints.xyz);
+    EXPECT_NEAR(slow.joints.at(0, 0).y(), 1.0, 1e-9);
   }
   Dataset missing = dataset_;
   for (Clip& clip : missing.clips) clip.label = clip.label == "walk" ? "slow" : clip.label;
-  EXPECT_EQ((*AnswersOf(Yardstick::kRetrieval, missing, {}))(requests).error().code, ErrorCode::kInconsistent);
+  const Yardsticks without = *Yardsticks::Make(Yardstick::kRetrieval, missing, {}, {});
+  EXPECT_EQ(without.Of(requests[2]).error().code, ErrorCode::kInconsistent);
 
   FeaturesOptions options = FeaturesOf(Draws(2, 300), "generated", true);
   options.yardstick = Yardstick::kMeanPose;
   const FeatureSet features = FeatureSetOf("dataset.h5", options);
   EXPECT_EQ(features.count(), 600);
+  EXPECT_EQ(std::set<std::string>(features.clip.begin(), features.clip.end()).size(), 3u) << "copies count once";
   EXPECT_EQ(features.quality.at("frozen_share").front(), 1.0);
 }
 

@@ -88,10 +88,14 @@ TEST(Progress, ItemsAtWorkAreRecordedUntilTheStageEnds) {
     EXPECT_EQ(record->at("items").at(0).at("item"), "ACTOR/1");
     EXPECT_EQ(record->at("items").at(0).at("share"), 0.25);
     EXPECT_EQ(record->at("items").at(0).at("text"), "step 5 of 20");
+    progress.Count("ACTOR/1", true, false);
+    EXPECT_TRUE(ReadJson(file)->at("items").empty());
   }
   EXPECT_FALSE(std::filesystem::exists(file));
-  Progress unwritable("train", 2, false, folder / "nowhere" / "deep");
+  ASSERT_TRUE(WriteFile(folder / "a file", ""));
+  Progress unwritable("train", 2, false, folder / "a file" / kProgressFile);  // has none, and goes on
   unwritable.Detail("ACTOR/1", 0.5, "");
+  EXPECT_EQ(unwritable.Text(), "0/2, 50 % ");
 }
 
 TEST(Progress, FailuresAreCounted) {

@@ -56,6 +56,31 @@ class Training {
       : set_(set), options_(options), control_(control), recognises_(options.recognises()) {}
 
   Expected<Checkpoint> Run() {
+    return Guarded([this] { return Trained(); });
+  }
+
+  /// Runs a few steps of a new training, at its beginning and in its middle: a GAN's stages have different costs.
+  Expected<TrainingCost> Measure() {
+    return Guarded([this] { return Measured(); });
+  }
+
+ private:
+  /// A device that vanishes, or its memory that runs out, is no defect: the last saved state is kept.
+  template <typename Work>
+  auto Guarded(const Work& work) -> decltype(work()) {
+    try {
+      return work();
+    } catch (const c10::Error& error) {
+      const std::string what = error.what_without_backtrace();
+      const bool cuda = options_.learning.device == TrainDevice::kCuda;
+      return Fail(cuda ? ErrorCode::kMissingOnHost : ErrorCode::kInternal,
+                  std::string(cuda ? "the CUDA device" : "libtorch") + " failed after " + Counted(state_.step, "step") +
+                      ": " + what.substr(0, what.find('\n')),
+                  options_.name, cuda ? "run again to continue from the last saved state" : "");
+    }
+  }
+
+  Expected<Checkpoint> Trained() {
     if (Status ready = Prepare(); !ready) return Forward(ready);
     if (Status fit = CheckSamples(); !fit) return Forward(fit);
     if (!control_.weights.empty()) return TakeReleasedWeights();
@@ -66,7 +91,7 @@ class Training {
     if (Status begun = Begin(); !begun) return Forward(begun);
     while (!ended_) {
       if (control_.stop()) return Interrupted();
-      if (Status stepped = GuardedStep(); !stepped) return Forward(stepped);
+      if (Status stepped = Step(); !stepped) return Forward(stepped);
       if (round_step_ == until_) {
         if (Status ended = EndRound(); !ended) return Forward(ended);
       }
@@ -81,8 +106,7 @@ class Training {
     return std::move(state_);
   }
 
-  /// Runs a few steps of a new training, at its beginning and in its middle: a GAN's stages have different costs.
-  Expected<TrainingCost> Measure() {
+  Expected<TrainingCost> Measured() {
     if (Status ready = Prepare(); !ready) return Forward(ready);
     constexpr int kParts = 2, kMeasured = 5;  // 5: the critic's steps to one of the generator (Gulrajani et al. 2017)
     StartRound(0);
@@ -103,7 +127,6 @@ class Training {
     return cost;
   }
 
- private:
   Status Prepare() {
     if (Status there = CheckDevice(options_.learning.device); !there) return there;
     KeepFreedMemory();
@@ -350,20 +373,6 @@ class Training {
   double RateFactor() const {
     if (!recognises_ || !options_.recogniser.anneal) return 1.0;
     return 0.5 * (1.0 + std::cos(kPi * static_cast<double>(round_step_) / static_cast<double>(steps_)));
-  }
-
-  /// A device that vanishes, or its memory that runs out, is no defect: the last saved state is kept.
-  Status GuardedStep() {
-    try {
-      return Step();
-    } catch (const c10::Error& error) {
-      const std::string what = error.what_without_backtrace();
-      const bool cuda = options_.learning.device == TrainDevice::kCuda;
-      return Fail(cuda ? ErrorCode::kMissingOnHost : ErrorCode::kInternal,
-                  std::string(cuda ? "the CUDA device" : "libtorch") + " failed after " + Counted(state_.step, "step") +
-                      ": " + what.substr(0, what.find('\n')),
-                  options_.name, cuda ? "run again to continue from the last saved state" : "");
-    }
   }
 
   Status Step() {
