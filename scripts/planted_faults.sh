@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Shows that the tests of learning can fail: plants one fault after the other in a copy of the tree (loss, mask, position, sampling of
 # each network), builds it and expects the network's test in tests/train/overfit_test.cpp to fail. Prints a table; exit code 1 where a
-# test passes with a fault, or fails without one. About an hour on two cores.
+# test passes with a fault, or fails without one.
 # Usage: scripts/planted_faults.sh [-d DIR] [NAME...]   DIR: folder for the copy, kept; NAME: faults whose name contains it
 set -euo pipefail
 cd "$(dirname "$0")/.."
