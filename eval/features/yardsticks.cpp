@@ -105,7 +105,7 @@ Expected<Yardsticks::Answer> Yardsticks::Of(const MotionRequest& request) const 
   }
   const Answer& answer = found->second[Drawn(found->second.size(), request.seed, "yardstick.clip")];
   if (yardstick_ != Yardstick::kMeanPose) return answer;
-  return Answer{answer.clip, StandStill(answer.motion, request.frames)};
+  return Answer{answer.clip + "/" + std::to_string(request.seed), StandStill(answer.motion, request.frames)};
 }
 
 }  // namespace mocurate

@@ -21,7 +21,7 @@ class Yardsticks {
                                    const FeaturesOptions& options);
 
   struct Answer {
-    std::string clip;  ///< id of the training clip; "mean pose/LABEL"
+    std::string clip;  ///< id of the training clip; of a mean pose one for each request, as of a generated motion
     Motion motion;
   };
   /// Error kInconsistent where the label has no training clip.
