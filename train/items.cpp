@@ -18,14 +18,19 @@ constexpr double kMostIterations = 1e8;  // range of `iterations`
 constexpr const char* kOtherRows[] = {"Real",      "Real-test",       "reference", "reference_test",
                                       "Retrieval", "Shuffled labels", "Mean pose"};
 
-/// The item of a network with this seed, else with its first one; empty for an unknown name.
+/// The item of a network with this seed, else with its first one, at its end; empty for an unknown name.
 std::string ItemOf(const TrainOptions& options, const std::string& name, double seed) {
   for (const NetworkOptions& network : options.networks) {
     if (name.empty() || network.name != name) continue;
     const bool alike = std::find(network.seeds.begin(), network.seeds.end(), seed) != network.seeds.end();
-    return name + "/" + std::to_string(alike ? static_cast<std::uint64_t>(seed) : network.seed());
+    return EndItem(network, alike ? static_cast<std::uint64_t>(seed) : network.seed());
   }
   return {};
+}
+
+/// The last step of a training that ends before its `iterations`; 0: all of them.
+std::int64_t EarlyEnd(const LearningOptions& learning) {
+  return learning.until < learning.iterations ? learning.until : 0;
 }
 
 /// The generated set for training with this seed: from the generator of the same seed, else of its first.
@@ -53,9 +58,8 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
   one.body().clear();
   const std::string item = network.name + "/" + std::to_string(one.seed());
   const std::string row = network.seeds.size() > 1 ? item : network.name;
-  const std::int64_t end_of_all = network.learning.until > 0
-                                      ? std::min(network.learning.until, network.learning.iterations)
-                                      : network.learning.iterations;
+  const std::int64_t early = EarlyEnd(network.learning);
+  const std::int64_t end_of_all = early > 0 ? early : network.learning.iterations;
   std::string after;
   for (const double step : network.learning.samples_at) {
     one.learning.until = static_cast<std::int64_t>(step);
@@ -66,7 +70,13 @@ void AddSeed(const NetworkOptions& network, std::size_t at, double seed, const S
     after = item + end;
   }
   one.learning.until = network.learning.until;
-  items.push_back({{item, OptionsToJson(one), {dataset}}, at, row, after, after.empty() ? from : "", made, mixed});
+  items.push_back({{EndItem(network, one.seed()), OptionsToJson(one), {dataset}},
+                   at,
+                   row,
+                   after,
+                   after.empty() ? from : "",
+                   made,
+                   mixed});
 }
 
 Status CheckSeeds(const NetworkOptions& network, const std::string& where) {
@@ -231,6 +241,11 @@ void BoundTraining(TrainOptions& options) {
     }
     if (options.most_epochs > 0) epochs = std::min(epochs, options.most_epochs);
   }
+}
+
+std::string EndItem(const NetworkOptions& network, std::uint64_t seed) {
+  const std::int64_t early = EarlyEnd(network.learning);
+  return network.name + "/" + std::to_string(seed) + (early > 0 ? "@" + std::to_string(early) : "");
 }
 
 bool TrainOptions::NeedsUnfitted() const {

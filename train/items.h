@@ -47,8 +47,12 @@ struct TrainItem {
 };
 
 /// The items of the stage `train`, generators first because they take longest: item "NAME/SEED", or "NAME/SEED@STEP"
-/// for a network kept at that step. Networks on unfitted clips only where `inputs` has them.
+/// for a network kept at that step, be it of `samples_at` or `until`: both are one training. Networks on unfitted clips
+/// only where `inputs` has them.
 std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInputs& inputs);
+
+/// The item of a network's last step: "NAME/SEED", or "NAME/SEED@STEP" where `until` ends it before its iterations.
+std::string EndItem(const NetworkOptions& network, std::uint64_t seed);
 
 /// Name of the file of an item: "Ours w/o Lie/1" -> "Ours w_o Lie_1".
 std::string FileNameOf(std::string item);

@@ -122,7 +122,7 @@ class PictureMaker {
   fs::path CheckpointOf(const std::string& network, const fs::path& folder) const {
     const NetworkOptions* one = NetworkNamed(network);
     if (one == nullptr) return {};
-    const fs::path file = folder / "checkpoints" / (FileNameOf(one->name + "/" + std::to_string(one->seed())) + ".h5");
+    const fs::path file = folder / "checkpoints" / (FileNameOf(EndItem(*one, one->seed())) + ".h5");
     std::error_code unknown;
     return fs::is_regular_file(file, unknown) && !Earlier(file) ? file : fs::path();
   }
@@ -131,11 +131,11 @@ class PictureMaker {
   std::vector<fs::path> StepsOfTraining(const fs::path& last) const {
     std::map<std::int64_t, fs::path> steps;
     std::error_code unknown;
-    const std::string begin = last.stem().string() + "@";
+    const std::string stem = last.stem().string(), begin = stem.substr(0, stem.find('@')) + "@";
     for (const fs::directory_entry& entry : fs::directory_iterator(last.parent_path(), unknown)) {
       const std::string name = entry.path().stem().string();
       const auto step = name.rfind(begin, 0) == 0 ? ParseInteger(name.substr(begin.size())) : std::nullopt;
-      if (step && !Earlier(entry.path())) steps[*step] = entry.path();
+      if (step && name != stem && !Earlier(entry.path())) steps[*step] = entry.path();
     }
     std::vector<fs::path> files;
     for (const auto& [step, file] : steps) files.push_back(file);

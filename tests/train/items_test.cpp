@@ -71,12 +71,17 @@ TEST(TrainItems, ANetworkThatIsKeptOnTheWayGoesOnFromThere) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1@40", "Ours/1"}));
   EXPECT_EQ(after, (std::vector<std::string>{"", "Ours/1@10", "Ours/1@40"}));
+  const std::set<std::string> whole = KeysOf(ItemsOf(options), 2);
   options.networks[2].learning.until = 40;
   names.clear();
   for (const TrainItem& item : ItemsOf(options)) {
     if (item.network == 2) names.push_back(item.spec.item);
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1"})) << "none at or beyond the end";
+  EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1@40"})) << "none at or beyond the end";
+  const std::set<std::string> beginning = KeysOf(ItemsOf(options), 2);
+  EXPECT_EQ(beginning.size(), 2u);
+  EXPECT_TRUE(std::includes(whole.begin(), whole.end(), beginning.begin(), beginning.end()))
+      << "the beginning of a training is the training that ends there";
 }
 
 TEST(TrainItems, AnOptionOfOneNetworkLeavesTheKeysOfTheOthersAlone) {
