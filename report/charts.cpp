@@ -124,7 +124,9 @@ class PlotPainter {
       drawing_.Text(end, top_ - 8.0, plot_.right_name, kText, TextAnchor::kEnd, kQuietColour);
     }
     const auto below = [&](double x, const std::string& text) {
-      drawing_.Text(left_ + width_ * x_.Of(x), bottom + 16.0, text, kText, TextAnchor::kMiddle, kQuietColour);
+      const bool corner = x_.Of(x) > 0.98 && text.size() > 4;  // would be cut off
+      drawing_.Text(corner ? end + kRight : left_ + width_ * x_.Of(x), bottom + 16.0, text, kText,
+                    corner ? TextAnchor::kEnd : TextAnchor::kMiddle, kQuietColour);
     };
     for (std::size_t i = 0; i < plot_.x_texts.size(); ++i) below(static_cast<double>(i), plot_.x_texts[i]);
     if (plot_.x_texts.empty()) {

@@ -23,6 +23,8 @@ constexpr Learned kLearned[] = {{"FID_equal", "FID, equal sizes (less is better)
                                 {"accuracy", "Accuracy (more is better)", false},
                                 {"movement_of_real", "Movement, of real motions (1 is as they move)", false}};
 
+constexpr const char* kRealBand = "Real ± sd";
+
 const nlohmann::json& MetricOf(const nlohmann::json& row, const char* metric) {
   return Field(Field(row, "metrics"), metric);
 }
@@ -56,12 +58,16 @@ void AddSamples(const nlohmann::json& row, std::vector<Sample>& samples) {
   samples.push_back({name, *steps, &row});
 }
 
-/// The same value at all steps: real motions, and yardsticks made of them.
+/// Real motions, and yardsticks made of them.
+bool IsLevel(const nlohmann::json& row) { return Field(row, "real") == true || Field(row, "given") == "motions"; }
+
+/// The same value at all steps.
 std::optional<PlotCurve> Level(const nlohmann::json& row, const char* metric, double end) {
   std::optional<PlotPoint> point = PointOf(row, metric, 0.0);
   const bool real = Field(row, "real").is_boolean() && Field(row, "real").get<bool>();
   if (real && metric == std::string("movement_of_real") && TextOf(row, "name") == "Real") point = PlotPoint{0.0, 1.0};
   if (!point) return std::nullopt;
+  if (TextOf(row, "name") != "Real") point->low = point->high = std::nullopt;  // one band to compare with
   PlotPoint last = *point;
   last.x = end;
   return PlotCurve{TextOf(row, "name"), {*point, last}};
@@ -79,17 +85,16 @@ Plot PlotOf(const Learned& learned, const nlohmann::json& rows, const std::map<s
   }
   if (plot.curves.empty()) return plot;
   const bool equal = learned.metric == std::string("FID_equal");
+  const nlohmann::json& fid = MetricOf(*of.begin()->second.back().row, learned.metric);
   if (equal) {  // with as many motions as the rows have
-    const nlohmann::json& fid = MetricOf(*of.begin()->second.back().row, learned.metric);
     if (const auto real = NumberOf(fid, "real")) {
       const double sd = NumberOf(fid, "real_sd").value_or(0.0);
-      plot.curves.push_back(
-          {"Real ± sd", {{0.0, *real, *real - sd, *real + sd}, {end, *real, *real - sd, *real + sd}}});
+      plot.curves.push_back({kRealBand, {{0.0, *real, *real - sd, *real + sd}, {end, *real, *real - sd, *real + sd}}});
     }
   }
   for (const nlohmann::json& row : rows) {
-    const bool of_real = Field(row, "real") == true || Field(row, "given") == "motions";
-    if (!of_real || (equal && TextOf(row, "name") == "Real")) continue;
+    if (!IsLevel(row) || (equal && TextOf(row, "name") == "Real")) continue;
+    if (equal && Field(MetricOf(row, learned.metric), "motions") != Field(fid, "motions")) continue;  // FID of others
     if (auto level = Level(row, learned.metric, end)) plot.curves.push_back(*std::move(level));
   }
   if (!learned.decades) return plot;
@@ -128,8 +133,17 @@ std::optional<PlotSheet> LearningSheet(const nlohmann::json& rows, const std::st
   kinds.erase("");
   PlotSheet sheet{title, "", "", {}, 2};
   for (const std::string& kind : kinds) sheet.note += (sheet.note.empty() ? "Bands: " : ", ") + kind;
+  std::map<std::string, int> colours;  // the same in each plot
+  for (const auto& [network, own] : of_network) colours.emplace(network, static_cast<int>(colours.size()));
+  for (const nlohmann::json& row : Elements(rows)) {
+    if (IsLevel(row)) colours.emplace(TextOf(row, "name"), static_cast<int>(colours.size()));
+  }
   for (const Learned& learned : kLearned) {
     Plot plot = PlotOf(learned, rows, of_network, end);
+    for (PlotCurve& curve : plot.curves) {
+      const auto colour = colours.find(curve.name == kRealBand ? "Real" : curve.name);
+      if (colour != colours.end()) curve.colour = colour->second;
+    }
     if (!plot.curves.empty()) sheet.plots.push_back(std::move(plot));
   }
   if (sheet.plots.empty()) return std::nullopt;

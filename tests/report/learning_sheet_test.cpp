@@ -9,11 +9,11 @@
 namespace mocurate::test {
 namespace {
 
-nlohmann::json Row(const std::string& name, nlohmann::json steps, double fid, double accuracy) {
+nlohmann::json Row(const std::string& name, nlohmann::json steps, double fid, double accuracy, int motions = 100) {
   return {{"name", name},
           {"ours", {{"steps", std::move(steps)}}},
           {"metrics",
-           {{"FID_equal", {{"value", fid}, {"real", 0.5}, {"real_sd", 0.1}}},
+           {{"FID_equal", {{"value", fid}, {"real", 0.5}, {"real_sd", 0.1}, {"motions", motions}}},
             {"accuracy", {{"value", accuracy}, {"interval", {accuracy - 0.1, accuracy + 0.1}}}}}}};
 }
 
@@ -31,7 +31,9 @@ const PlotCurve* Curve(const Plot& plot, const std::string& name) {
 
 TEST(LearningSheet, EachSeedIsACurveOverItsStepsBesideTheLevelsOfRealMotions) {
   const nlohmann::json rows = {
-      Of("real", true, Row("Real", nullptr, 9.0, 0.99)), Of("given", "motions", Row("Retrieval", nullptr, 0.4, 0.98)),
+      Of("real", true, Row("Real", nullptr, 9.0, 0.99)),
+      Of("real", true, Row("Real-test", nullptr, 0.3, 0.95, 60)),
+      Of("given", "motions", Row("Retrieval", nullptr, 0.4, 0.98)),
       Of("seeds", {Row("A/1@1000", 1000, 8.0, 0.5), Row("A/2@1000", 1000, 6.0, 0.4)}, Row("A@1000", 1000, 7.0, 0.45)),
       Of("seeds", {Row("A/1", 3000, 2.0, 0.9), Row("A/2", 3000, 1.0, 0.8)}, Row("A", 3000, 1.5, 0.85)),
       Row("B, 8 frames", 500, 3.0, 0.7)};
@@ -54,10 +56,19 @@ TEST(LearningSheet, EachSeedIsACurveOverItsStepsBesideTheLevelsOfRealMotions) {
   EXPECT_EQ(real->points.back().x, 3000.0);
   EXPECT_EQ(real->points.back().y, 0.5);
   EXPECT_NEAR(real->points.back().high.value_or(NAN), 0.6, 1e-12);
+  EXPECT_EQ(Curve(fid, "Real-test"), nullptr) << "of another number of motions";
+  const PlotCurve* retrieval = Curve(fid, "Retrieval");
+  ASSERT_NE(retrieval, nullptr);
+  EXPECT_EQ(retrieval->points.front().y, 0.4);
   const PlotCurve* level = Curve(sheet->plots[1], "Real");
   ASSERT_NE(level, nullptr);
   EXPECT_EQ(level->points.front().y, 0.99);
-  ASSERT_NE(Curve(sheet->plots[1], "Retrieval"), nullptr);
+  EXPECT_TRUE(level->points.front().low);
+  const PlotCurve* others = Curve(sheet->plots[1], "Real-test");
+  ASSERT_NE(others, nullptr);
+  EXPECT_FALSE(others->points.front().low) << "one band";
+  EXPECT_EQ(Curve(sheet->plots[1], "Retrieval")->colour, retrieval->colour) << "though other curves are before it";
+  EXPECT_EQ(level->colour, real->colour);
 }
 
 TEST(LearningSheet, OneSampleIsNoSheet) {
