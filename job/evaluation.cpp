@@ -133,7 +133,7 @@ class EvaluationRun {
       }
       if (keys_[i] != "reference_test") {
         result_.features[keys_[i] == "reference" ? kReal : keys_[i]] = item.artifact;
-        WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.summary);
+        if (!Answers(keys_[i])) WarnOfMotions(keys_[i] == "reference" ? kReal : keys_[i], item.summary);
       }
     }
     if (ReadAgain()) return {};
