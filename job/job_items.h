@@ -20,6 +20,8 @@ struct TrainedNetwork {
   std::size_t network = 0;
   std::string row;
   StageInput checkpoint;
+
+  bool IsSample() const { return row.find('@') != std::string::npos; }  ///< of samples_at, on the way to its end
 };
 
 /// Results of one source clip, stage by stage.

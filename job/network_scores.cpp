@@ -39,14 +39,11 @@ ExtractorOptions OwnExtractor(const NetworkOptions& network, const EvaluateOptio
 /// The network of that name with the seed of another one, else its first; empty without one.
 std::optional<StageInput> PartnerOf(const std::string& name, const TrainedNetwork& of,
                                     const std::vector<TrainedNetwork>& networks, const JobOptions& options) {
-  const auto seed = [](const TrainedNetwork& network) {
-    const std::string& item = network.checkpoint.name;
-    return item.substr(item.rfind('/') + 1);
-  };
+  const auto seed = [](const TrainedNetwork& network) { return SeedOfItem(network.checkpoint.name); };
   const TrainedNetwork* found = nullptr;
   for (const TrainedNetwork& network : networks) {
-    if (NetworkOf(options, network).name != name || seed(network).find('@') != std::string::npos) continue;
-    if (found == nullptr || seed(network) == seed(of).substr(0, seed(of).find('@'))) found = &network;
+    if (NetworkOf(options, network).name != name || network.IsSample()) continue;
+    if (found == nullptr || seed(network) == seed(of)) found = &network;
   }
   if (found == nullptr) return std::nullopt;
   return found->checkpoint;
@@ -217,7 +214,7 @@ std::string Unconverged(const NetworkOptions& options, const nlohmann::json& row
     before = FidOfRow(sample);
   }
   if (!fid || !before || std::abs(*fid - *before) <= settled * *before) return "";
-  return "FID went from " + RoundedText(*before, 3) + " at step " + std::to_string(last) + " to " +
+  return "FID train went from " + RoundedText(*before, 3) + " at step " + std::to_string(last) + " to " +
          RoundedText(*fid, 3) + " at step " + std::to_string(steps);
 }
 

@@ -215,8 +215,7 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
   for (const TrainedNetwork& network : run.networks) {
     const NetworkOptions& options = run.options.train.networks[network.network];
     const bool seen = std::find(names.begin(), names.end(), options.name) != names.end();
-    const bool sample = network.checkpoint.name.find('@') != std::string::npos;
-    if (!GeneratesMotions(options.kind) || options.kind == NetworkKind::kSsmct || sample || seen) continue;
+    if (!GeneratesMotions(options.kind) || options.kind == NetworkKind::kSsmct || network.IsSample() || seen) continue;
     std::vector<MotionRequest> requests;
     const bool continues = options.kind == NetworkKind::kMacvae;
     if (continues) {

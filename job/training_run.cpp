@@ -87,7 +87,7 @@ class TrainingRun {
       if (item.made) {
         LogInfo(item.spec.item + ": not measured, '" + item.made->generator_item +
                 "' has not generated its motions yet");
-      } else if (trained && item.spec.item.find('@') == std::string::npos) {
+      } else if (trained && !item.IsSample()) {
         specs.push_back(item.spec);
       }
     }

@@ -217,7 +217,12 @@ Status CheckRowNames(const TrainOptions& options) {
 std::string MadeSet::item() const { return generator_item + " " + Name(rule); }
 
 std::uint64_t MadeSet::seed() const {
-  return static_cast<std::uint64_t>(ParseInteger(generator_item.substr(generator_item.rfind('/') + 1)).value_or(1));
+  return static_cast<std::uint64_t>(ParseInteger(SeedOfItem(generator_item)).value_or(1));
+}
+
+std::string SeedOfItem(const std::string& item) {
+  const std::string seed = item.substr(item.rfind('/') + 1);
+  return seed.substr(0, seed.find('@'));
 }
 
 std::string FileNameOf(std::string item) {
@@ -364,11 +369,19 @@ Status CheckNetworks(const TrainOptions& given, const std::string& first_split) 
       return Fail(ErrorCode::kConfig, "the steps do not rise", where + ".samples_at", "write them in order");
     }
     const bool bounded = network.learning.planned > 0;
-    if (!steps.empty() && !bounded && steps.back() > static_cast<double>(network.learning.iterations)) {
+    if (!bounded && network.learning.until > network.learning.iterations) {
       return Fail(ErrorCode::kConfig,
-                  "step " + RoundedText(steps.back(), 12) + " is beyond the " +
+                  "step " + std::to_string(network.learning.until) + " is beyond the " +
                       Counted(network.learning.iterations, "iteration") + " of the network",
-                  where + ".samples_at", "remove it, or train longer");
+                  where + ".until", "remove it, or train longer");
+    }
+    const std::int64_t early = EarlyEnd(network.learning);
+    const std::int64_t end = early > 0 ? early : network.learning.iterations;
+    if (!steps.empty() && !bounded && steps.back() > static_cast<double>(end)) {
+      return Fail(
+          ErrorCode::kConfig,
+          "step " + RoundedText(steps.back(), 12) + " is beyond the last step of the network, " + std::to_string(end),
+          where + ".samples_at", "remove it, or train longer");
     }
     for (const double step : steps) {
       if (step == std::floor(step)) continue;
@@ -429,9 +442,12 @@ std::vector<std::string> TrainingNotes(const TrainOptions& options, const std::s
       notes.push_back(network.name + ": " + length + ", in batches of " + batches + of_made + ".");
       continue;
     }
-    notes.push_back(
-        network.name + ": " + Counted(network.learning.iterations, "iteration") + " of " + batches + " on " + on +
-        (network.NeedsBody() ? ", vertices of " + DisplayPath(network.body().filename()) : std::string()) + ".");
+    const std::int64_t early = EarlyEnd(network.learning);
+    const std::string steps = (early > 0 ? std::to_string(early) + " of " : std::string()) +
+                              Counted(network.learning.iterations, "iteration");
+    notes.push_back(network.name + ": " + steps + " of " + batches + " on " + on +
+                    (network.NeedsBody() ? ", vertices of " + DisplayPath(network.body().filename()) : std::string()) +
+                    ".");
     if (features == options.networks.end() || network.NeedsParts() || features->data.input == network.data.input) {
       continue;
     }

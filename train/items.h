@@ -44,6 +44,8 @@ struct TrainItem {
   std::string from;             ///< item whose weights it starts from, its input of role "start_from"; or empty
   std::optional<MadeSet> made;  ///< replaces the dataset, or is mixed with it as the input "made"
   bool mixed = false;           ///< `made` is mixed with the dataset
+
+  bool IsSample() const { return row.find('@') != std::string::npos; }  ///< of samples_at, on the way to its end
 };
 
 /// The items of the stage `train`, generators first because they take longest: item "NAME/SEED", or "NAME/SEED@STEP"
@@ -53,6 +55,9 @@ std::vector<TrainItem> TrainItems(const TrainOptions& options, const TrainingInp
 
 /// The item of a network's last step: "NAME/SEED", or "NAME/SEED@STEP" where `until` ends it before its iterations.
 std::string EndItem(const NetworkOptions& network, std::uint64_t seed);
+
+/// SEED of the item "NAME/SEED" or "NAME/SEED@STEP".
+std::string SeedOfItem(const std::string& item);
 
 /// Name of the file of an item: "Ours w/o Lie/1" -> "Ours w_o Lie_1".
 std::string FileNameOf(std::string item);
