@@ -65,18 +65,21 @@ class Training {
   }
 
  private:
-  /// A device that vanishes, or its memory that runs out, is no defect: the last saved state is kept.
+  /// A CUDA device that vanishes, or whose memory runs out, ends the run: the last saved state is kept. Other errors of
+  /// libtorch end this item alone.
   template <typename Work>
   auto Guarded(const Work& work) -> decltype(work()) {
     try {
       return work();
     } catch (const c10::Error& error) {
       const std::string what = error.what_without_backtrace();
-      const bool cuda = options_.learning.device == TrainDevice::kCuda;
-      return Fail(cuda ? ErrorCode::kMissingOnHost : ErrorCode::kInternal,
-                  std::string(cuda ? "the CUDA device" : "libtorch") + " failed after " + Counted(state_.step, "step") +
-                      ": " + what.substr(0, what.find('\n')),
-                  options_.name, cuda ? "run again to continue from the last saved state" : "");
+      if (what.rfind("CUDA", 0) != 0) throw;
+      const bool memory = what.find("out of memory") != std::string::npos;
+      return Fail(
+          ErrorCode::kMissingOnHost,
+          "the CUDA device failed after " + Counted(state_.step, "step") + ": " + what.substr(0, what.find('\n')),
+          options_.name,
+          memory ? "choose a smaller batch, or more shards" : "run again to continue from the last saved state");
     }
   }
 
