@@ -19,7 +19,10 @@ mkdir -p "$folder/clean" "$folder/tree"
 git ls-files -z -co --exclude-standard | while IFS= read -r -d '' file; do
   [ ! -f "$file" ] || install -D "$file" "$folder/clean/$file"
 done
-# Files that are alike keep their time, so that a kept folder builds little.
+# Files that are alike keep their time, so that a kept folder builds little. What the repository lost, the copy loses.
+(cd "$folder/tree" && find . -path ./build -prune -o -type f -print0) | while IFS= read -r -d '' file; do
+  [ -f "$folder/clean/$file" ] || rm "$folder/tree/$file"
+done
 (cd "$folder/clean" && find . -type f -print0) | while IFS= read -r -d '' file; do
   cmp -s "$folder/clean/$file" "$folder/tree/$file" || install -D "$folder/clean/$file" "$folder/tree/$file"
 done
@@ -146,4 +149,5 @@ fault 'Two-stage GAN' 'loss: motion generator, sign flipped' $networks/two_stage
 fault 'Two-stage GAN' 'sampling: the class is not read' $networks/two_stage_gan.cpp \
   's/Motion\(z_0, noise, OneHot\(requests\.label, classes_\)\)/Motion(z_0, noise, OneHot(0 * requests.label, classes_))/' "$two"
 echo "planted_faults.sh: $planted faults"
+[ "$planted" -gt 0 ] || status=2
 exit $status

@@ -1,5 +1,6 @@
-// Every network overfits sixteen short motions, through the code of a run. Only a network whose loss, masks, positions
-// and sampling are right gets below these errors: scripts/planted_faults.sh plants faults in each and runs this file.
+// Every network overfits sixteen short motions, through the code of a run; of GANs the parts are trained in turn, and
+// the losses move as they should. Only a network whose loss, masks, positions and sampling are right gets below these
+// errors: scripts/planted_faults.sh plants faults in each and runs this file.
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
@@ -34,12 +35,13 @@ constexpr double kLog2 = 0.6931;               // binary cross entropy of a coin
 /// Every joint swings about an axis of its own, faster in later classes, while the root walks. Motions of a class have
 /// the same number of frames, so that only the latent can tell them apart.
 /// `class_turn`: radians about x between the mean poses of two classes.
-Dataset SixteenMotions(bool own_class_each, double class_turn) {
+/// `longer`: frames by which motions of a class are longer than those of the class before.
+Dataset SixteenMotions(bool own_class_each, double class_turn, int longer) {
   Dataset set;
   set.skeleton = SmallSkeleton();
   for (int c = 0; c < (own_class_each ? kClips : kClasses); ++c) set.labels.push_back("action" + std::to_string(c));
   for (int i = 0; i < kClips; ++i) {
-    const int action = i / (kClips / kClasses), frames = kFrames + action;
+    const int action = i / (kClips / kClasses), frames = kFrames + longer * action;
     Clip clip;
     clip.identity.source = "made";
     clip.identity.recording = (i < 10 ? "0" : "") + std::to_string(i);
@@ -111,7 +113,7 @@ class Overfit : public testing::Test {
 
   void Take(const NetworkOptions& options, double class_turn = 0.0) {
     options_ = options;
-    dataset_ = SixteenMotions(options.recognises(), class_turn);
+    dataset_ = SixteenMotions(options.recognises(), class_turn, longer_);
     set_ = *PackTrainingSet(dataset_, NeedsOf(options));
   }
 
@@ -186,6 +188,7 @@ class Overfit : public testing::Test {
 
   ScratchFolder folder_;
   std::filesystem::path path_ = folder_ / "network.h5";
+  int longer_ = 1;  ///< frames, of SixteenMotions
   NetworkOptions options_;
   Dataset dataset_;
   TrainingSet set_;
@@ -222,8 +225,8 @@ TEST_P(OverfitAction2Motion, UnrollsEachMotionAndDrawsItsClass) {
   ASSERT_NE(joints, losses.outputs.end());
   EXPECT_LT(Apart(joints->second, batch.motion), kBound);
   const Nearest drawn = NearestOf(Drawn(batch), batch);
-  EXPECT_GE(drawn.of_class, 12);
-  EXPECT_LT(drawn.apart, 0.09);
+  EXPECT_GE(drawn.of_class, 14);
+  EXPECT_LT(drawn.apart, 0.054);  // of four seeds 0.040 to 0.048; with time backwards 0.059 to 0.067
 }
 
 INSTANTIATE_TEST_SUITE_P(LieAndWithout, OverfitAction2Motion, testing::Bool());
@@ -239,7 +242,8 @@ TEST_F(Overfit, CondGruUnrollsEachMotionFromItsFirstPose) {
 TEST_F(Overfit, ActorDecodesWhatItEncodes) {
   NetworkOptions options = Options(NetworkKind::kActor, 1800, 6e-3);
   options.data.input = RecogniserInputKind::kWhole;  // padded to the longest
-  options.data.frames = kLongest;
+  options.data.frames = 20;
+  longer_ = 2;
   options.actor.latent = options.actor.feed_forward = 64;
   options.actor.layers = 1;
   options.actor.dropout = 0.0;
@@ -247,10 +251,14 @@ TEST_F(Overfit, ActorDecodesWhatItEncodes) {
   ASSERT_NO_FATAL_FAILURE(Learn(options, 900));
   const auto generator = MotionGenerator::Load(path_);
   ASSERT_TRUE(generator) << generator.error().Message();
-  const Expected<Dataset> decoded = (*generator)->Remake(dataset_, {3}, 2);
-  ASSERT_TRUE(decoded) << decoded.error().Message();
   std::vector<Motion> made;
-  for (const Clip& clip : decoded->clips) made.push_back(*clip.motion);
+  Dataset alone = dataset_;  // without the padding of training
+  for (const Clip& clip : dataset_.clips) {
+    alone.clips = {clip};
+    const Expected<Dataset> decoded = (*generator)->Remake(alone, {3}, 2);
+    ASSERT_TRUE(decoded) << decoded.error().Message();
+    made.push_back(*decoded->clips.at(0).motion);
+  }
   EXPECT_LT(Apart(made, dataset_), kBound);
 }
 
