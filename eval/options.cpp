@@ -305,7 +305,7 @@ void ScoreOptions::Declare(OptionVisitor& v) {
 }
 
 StageDeclaration FeaturesDeclaration() { return {"features", 11, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration ScoreDeclaration() { return {"score", 5, "mocurate-learn", WholeSetLimits()}; }
+StageDeclaration ScoreDeclaration() { return {"score", 6, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 5, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration FitErrorDeclaration() { return {"fit_error", 5, "mocurate-annotate", WholeSetLimits()}; }
 

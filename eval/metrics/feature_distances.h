@@ -77,7 +77,7 @@ struct NeighbourFigures {
   double memorised = 0.0;  ///< share of the motions nearer to one of the reference than kMemorised of that mean
 };
 
-/// Copies differ by rounding and by where a window begins: a hundredth of the mean distance between neighbours.
+/// Copies of the same window differ by rounding: a hundredth of the mean distance between neighbours.
 inline constexpr double kMemorised = 0.01;
 
 /// A ball reaches from a motion to its k-th nearest other of its set. [density and coverage: Naeem et al. 2020,

@@ -180,6 +180,7 @@ Status AddSampledMetrics(const FeatureSample& row, const FeatureSample& referenc
   figures["FID_normalised"].values = {*normalised};
   if (Status added = AddKernel(row, reference, seed, figures); !added) return added;
   AddNeighbours(row, reference, figures);
+  if (itself) figures["nearest_train"] = Null("real_motions");  // 1 by its definition
   return {};
 }
 
