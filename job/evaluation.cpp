@@ -96,6 +96,7 @@ class EvaluationRun {
       const RealPart asked = evaluation_.requests_of_test ? RealPart::kTest : evaluation_.real_part;
       const RealPart part = row.answers() ? asked : RealPart::kAll;
       FeaturesOptions options = OptionsOf("generated", true, row.answers(), part);
+      options.generated = row.yardstick == Yardstick::kNone;  // yardsticks are real clips, read as those
       options.yardstick = row.yardstick;
       options.frames = row.frames;
       options.script = row.script;
