@@ -219,22 +219,27 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vecto
 }
 
 static void Warn(const char* code, const std::string& text, nlohmann::json& metrics) {
-  metrics["notes"].push_back(text + ".");
+  nlohmann::json& notes = metrics["notes"];  // before all others
+  if (notes.is_null()) notes = nlohmann::json::array();
+  notes.insert(notes.begin(), text + ".");
   metrics["warnings"].push_back({{"code", code}, {"row", ""}, {"message", text}});
 }
 
 /// A recogniser of a low accuracy on real motions measures nothing.
 static void NoteVoid(double least, nlohmann::json& metrics) {
   std::optional<double> worst;  // of the parts: the recogniser may have learned from the first
+  std::string of;
   for (const nlohmann::json& row : metrics.value("rows", nlohmann::json::array())) {
     if (!row.value("real", false)) continue;
     const nlohmann::json accuracy =
         row.at("metrics").value("accuracy", nlohmann::json::object()).value("value", nlohmann::json());
-    if (accuracy.is_number()) worst = std::min(worst.value_or(1.0), accuracy.get<double>());
+    if (!accuracy.is_number() || (worst && accuracy.get<double>() >= *worst)) continue;
+    worst = accuracy.get<double>();
+    of = row.at("name").get<std::string>();
   }
   if (!worst || *worst >= least) return;
   Warn("void",
-       "Void: the recogniser's accuracy on real motions is " + RoundedText(*worst, 2) + ", less than " +
+       "Void: the recogniser's accuracy on " + of + " is " + RoundedText(*worst, 2) + ", less than " +
            RoundedText(least, 2) + "; train it longer before a number of this table is read",
        metrics);
 }
@@ -246,8 +251,8 @@ static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& me
   const nlohmann::json& nearest = metrics["nearest_neighbour"];
   if (!scored.is_object() || !scored.contains("mean") || !nearest.is_object() || nearest.value("count", 0) == 0) return;
   const double own = scored["mean"].get<double>(), other = nearest.at("accuracy").get<double>();
-  const double by_chance =
-      1.645 * std::sqrt(other * (1.0 - other) / nearest.at("count").get<double>());  // one-sided, 5 %
+  const double variance = other * (1.0 - other) + own * (1.0 - own);
+  const double by_chance = 1.645 * std::sqrt(variance / nearest.at("count").get<double>());  // one-sided, 5 %
   if (own >= other - by_chance) return;
   const std::string text = recogniser + " recognises " + RoundedText(own, 2) +
                            " of the test clips, a nearest neighbour of their joint positions " + RoundedText(other, 2) +
