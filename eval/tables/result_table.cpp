@@ -103,14 +103,25 @@ std::string OrderNote(const nlohmann::json& order) {
 
 /// Beside what FID_equal is read: the real motions at the same number, and p.
 std::vector<std::string> EqualSizeNotes(const nlohmann::json& result) {
-  std::vector<std::string> notes;
+  std::vector<std::pair<std::string, std::string>> read;  // what a row is read beside, and the rows
   for (const nlohmann::json& row : result.at("rows")) {
     const nlohmann::json fid = row.value("metrics", nlohmann::json::object()).value("FID_equal", nlohmann::json());
     if (row.value("real", false) || !fid.is_object() || !fid.at("value").is_number() || !fid.contains("real")) continue;
     const nlohmann::json p = fid.value("p", nlohmann::json());
-    notes.push_back("FID, equal sizes, of " + row.at("name").get<std::string>() + ": " + fid.at("motions").dump() +
-                    " motions on both sides, of real motions " + RoundedText(fid.at("real").get<double>(), 3) +
-                    (p.is_number() ? "; differs with p " + RoundedText(p.get<double>(), 2) : "") + ".");
+    const std::string beside = fid.at("motions").dump() + " motions on both sides, of real motions " +
+                               RoundedText(fid.at("real").get<double>(), 3) +
+                               (p.is_number() ? "; differs with p " + RoundedText(p.get<double>(), 2) : "") + ".";
+    const std::string name = row.at("name").get<std::string>();
+    const auto same = std::find_if(read.begin(), read.end(), [&](const auto& one) { return one.first == beside; });
+    if (same == read.end()) {
+      read.emplace_back(beside, name);
+    } else {
+      same->second += ", " + name;
+    }
+  }
+  std::vector<std::string> notes;
+  for (const auto& [beside, rows] : read) {
+    notes.push_back("FID, equal sizes" + (read.size() > 1 ? " of " + rows : std::string()) + ": " + beside);
   }
   return notes;
 }
