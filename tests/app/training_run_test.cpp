@@ -240,12 +240,13 @@ TEST(TrainingRun, BothBranchesOfTheStagesHaveDifferentNames) {
 
 TEST(TrainingRun, DurationsAndYardsticksAreRowsAndANetworkStartsFromAnother) {
   const ScratchFolder folder;
-  const std::string actor = "split: s, frames: 10, latent: 16, layers: 1, heads: 2, feed_forward: 16, iterations: 2";
-  std::vector<std::string> job = TrainingJob(
-      folder, {"train.networks=[{kind: actor, name: A, " + actor + ", samples_at: [1]}, {kind: actor, name: B, " +
-                   actor + ", longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
-                   "name: R, split: s, frames: 10, hidden: 4, epochs: 1}]",
-               "evaluate.durations=[8, 14]", "evaluate.yardsticks=true"});
+  const std::string actor = "split: s, frames: 10, latent: 16, layers: 1, heads: 2, feed_forward: 16, iterations: ";
+  std::vector<std::string> job =
+      TrainingJob(folder, {"train.networks=[{kind: actor, name: A, " + actor +
+                               "3, until: 2, samples_at: [1]}, {kind: actor, name: B, " + actor +
+                               "2, longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
+                               "name: R, split: s, frames: 10, hidden: 4, epochs: 1}]",
+                           "evaluate.durations=[8, 14]", "evaluate.yardsticks=true"});
   const Result result = TrainingProgram(folder, job);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));

@@ -78,6 +78,7 @@ TEST(TrainItems, ANetworkThatIsKeptOnTheWayGoesOnFromThere) {
     if (item.network == 2) names.push_back(item.spec.item);
   }
   EXPECT_EQ(names, (std::vector<std::string>{"Ours/1@10", "Ours/1@40"})) << "none at or beyond the end";
+  EXPECT_EQ(SeedOfItem("Ours/1@40"), "1");
   const std::set<std::string> beginning = KeysOf(ItemsOf(options), 2);
   EXPECT_EQ(beginning.size(), 2u);
   EXPECT_TRUE(std::includes(whole.begin(), whole.end(), beginning.begin(), beginning.end()))
