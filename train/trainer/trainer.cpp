@@ -78,8 +78,7 @@ class Training {
       return Fail(
           ErrorCode::kMissingOnHost,
           "the CUDA device failed after " + Counted(state_.step, "step") + ": " + what.substr(0, what.find('\n')),
-          options_.name,
-          memory ? "choose a smaller batch, or more shards" : "run again to continue from the last saved state");
+          options_.name, memory ? "choose a smaller batch" : "run again to continue from the last saved state");
     }
   }
 
