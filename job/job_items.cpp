@@ -218,11 +218,11 @@ std::vector<ClipRecord> RecordsOf(const std::vector<ItemSpec>& specs, std::vecto
   return clips;
 }
 
-static void Warn(const char* code, const std::string& text, nlohmann::json& metrics) {
+static void Warn(const char* code, const std::string& row, const std::string& text, nlohmann::json& metrics) {
   nlohmann::json& notes = metrics["notes"];  // before all others
   if (notes.is_null()) notes = nlohmann::json::array();
   notes.insert(notes.begin(), text + ".");
-  metrics["warnings"].push_back({{"code", code}, {"row", ""}, {"message", text}});
+  metrics["warnings"].push_back({{"code", code}, {"row", row}, {"message", text}});
 }
 
 /// A recogniser of a low accuracy on real motions measures nothing.
@@ -238,7 +238,7 @@ static void NoteVoid(double least, nlohmann::json& metrics) {
     of = row.at("name").get<std::string>();
   }
   if (!worst || *worst >= least) return;
-  Warn("void",
+  Warn("void", of,
        "Void: the recogniser's accuracy on " + of + " is " + RoundedText(*worst, 2) + ", less than " +
            RoundedText(least, 2) + "; train it longer before a number of this table is read",
        metrics);
@@ -257,7 +257,7 @@ static void NoteUnfitExtractor(const std::string& recogniser, nlohmann::json& me
   const std::string text = recogniser + " recognises " + RoundedText(own, 2) +
                            " of the test clips, a nearest neighbour of their joint positions " + RoundedText(other, 2) +
                            ": it is unfit as an extractor, train it longer before its FIDs are read";
-  Warn("unfit_extractor", text, metrics);
+  Warn("unfit_extractor", "", text, metrics);
 }
 
 nlohmann::json WithNotes(nlohmann::json metrics, const JobOptions& options, const JobResult& result) {

@@ -265,15 +265,26 @@ TEST(TrainingRun, DurationsAndYardsticksAreRowsAndANetworkStartsFromAnother) {
   for (const char* name : {"A, 8 frames", "A, 14 frames", "Retrieval", "Accuracy"})
     EXPECT_THAT(learning, HasSubstr(name));
   EXPECT_THAT(learning, Not(HasSubstr("B, 8 frames"))) << "of two steps, one sample";
-  const auto is_void = [&] {
-    const nlohmann::json metrics = nlohmann::json::parse(ReadText(folder / "r/metrics.json"));
-    return std::any_of(metrics["warnings"].begin(), metrics["warnings"].end(),
-                       [](const nlohmann::json& warning) { return warning["code"] == "void"; });
+  const auto metrics_of = [&](const std::string& row) {
+    const nlohmann::json read = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
+    for (const nlohmann::json& one : read["rows"])
+      if (one["name"] == row) return one["metrics"];
+    return nlohmann::json();
   };
-  EXPECT_TRUE(is_void());
-  job.insert(job.end(), {"--set", "evaluate.least_real_accuracy=0"});
+  const auto void_of = [&] {  // the real row that is named
+    const nlohmann::json metrics = nlohmann::json::parse(ReadText(folder / "r/metrics.json"));
+    for (const nlohmann::json& warning : metrics["warnings"])
+      if (warning["code"] == "void") return warning["row"].get<std::string>();
+    return std::string();
+  };
+  const nlohmann::json retrieval = metrics_of("Retrieval"), made = metrics_of("B, 14 frames");
+  ASSERT_TRUE(retrieval.is_object());
+  EXPECT_EQ(void_of(), "Real");
+  job.insert(job.end(), {"--set", "evaluate.least_real_accuracy=0", "--set", "evaluate.generated_root=as_given"});
   ASSERT_EQ(TrainingProgram(folder, job).exit_code, 0);
-  EXPECT_FALSE(is_void());
+  EXPECT_EQ(void_of(), "");
+  EXPECT_EQ(metrics_of("Retrieval"), retrieval) << "yardsticks are real clips, which real_root places";
+  EXPECT_NE(metrics_of("B, 14 frames"), made) << "what networks made, generated_root";
   EXPECT_EQ(TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8, 8]"})).exit_code, 2);
   EXPECT_EQ(
       TrainingProgram(folder, TrainingJob(folder, {"evaluate.durations=[8]", "evaluate.generators=false"})).exit_code,
