@@ -246,7 +246,7 @@ TEST(TrainingRun, DurationsAndYardsticksAreRowsAndANetworkStartsFromAnother) {
                                "3, until: 2, samples_at: [1]}, {kind: actor, name: B, " + actor +
                                "2, longest_frames: 12, start_from_network: A}, {kind: gru_recogniser, " +
                                "name: R, split: s, frames: 10, hidden: 4, epochs: 1}]",
-                           "evaluate.durations=[8, 14]", "evaluate.yardsticks=true"});
+                           "evaluate.durations=[8, 14]", "evaluate.yardsticks=true", "canon.facing.anchor=middle"});
   const Result result = TrainingProgram(folder, job);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const nlohmann::json table = nlohmann::json::parse(ReadText(folder / "r/tables/table.json"));
