@@ -175,6 +175,33 @@ void AddDraw(const CommandLine& line) {
   line.Calls(draw, DrawVerb, arguments);
 }
 
+void AddView(const CommandLine& line) {
+  auto arguments = std::make_shared<ViewArguments>();
+  CLI::App* view = line.app.add_subcommand("view", "Look at motions: one page for the browser, which can be passed on");
+  view->add_option("motions", arguments->motions,
+                   "datasets, MotionSets, folders of runs, or files and folders of motions; NAME=PATH names one")
+      ->required();
+  view->add_option("-o,--output", arguments->output,
+                   "page (.html) to write (default: a temporary one, opened where a desktop is)");
+  AddRepeated(view, "--clip", arguments->clips, "id of a clip, or its end; may be repeated (default: all clips)");
+  view->add_option("--body", arguments->body,
+                   "SMPL_NEUTRAL.pkl or body_cc0.h5 to draw skinned bodies with (default: body_cc0.h5 below "
+                   "MOCURATE_WEIGHTS)");
+  AddRepeated(view, "--tolerate", arguments->tolerate,
+              "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
+  view->add_option("--source", arguments->source, "source declaration, for files without one of their own");
+  view->add_option("--title", arguments->title, "title of the page");
+  view->add_flag("--force", arguments->force, "overwrite the output");
+  view->footer(
+      "Clips of several files with the same person, recording and frames are shown side by side, or overlaid. The "
+      "page\n"
+      "needs no network; motions of more than 22 MB are in a folder beside it.\n\n"
+      "Examples:\n  mocurate view walk.bvh\n"
+      "  mocurate view runs/demo -o demo.html\n"
+      "  mocurate view before=raw.h5 after=runs/kard/dataset.h5 --clip '#0-90' -o both.html");
+  line.Calls(view, ViewVerb, arguments);
+}
+
 void AddReproduce(const CommandLine& line) {
   auto arguments = std::make_shared<ReproduceArguments>();
   CLI::App* reproduce = line.app.add_subcommand(
@@ -304,7 +331,7 @@ void AddEval(const CommandLine& line) {
 }  // namespace
 
 void AddMotionVerbs(const CommandLine& line) {
-  for (const auto add : {AddExport, AddGenerate, AddDraw, AddReproduce, AddEval}) add(line);
+  for (const auto add : {AddExport, AddGenerate, AddDraw, AddView, AddReproduce, AddEval}) add(line);
 }
 
 }  // namespace mocurate

@@ -78,18 +78,17 @@ Vector3d Viewpoint::Turn(const Vector3d& point) const {
   return {x, std::cos(pitch) * point.y() - std::sin(pitch) * z, std::sin(pitch) * point.y() + std::cos(pitch) * z};
 }
 
-Viewpoint FrontView(const Motion& motion) {
-  Viewpoint view{kThreeQuarter, kRaised};
+double FrontYaw(const Motion& motion) {
   const int frame = motion.frame_count() / 2;
   for (const auto& pair : {motion.skeleton->Hips(), motion.skeleton->Shoulders()}) {
     if (!pair || motion.frame_count() == 0) continue;
     const Vector3d sideways = motion.joints.at(frame, (*pair)[0]) - motion.joints.at(frame, (*pair)[1]);
-    if (std::hypot(sideways.x(), sideways.z()) < 1e-6) continue;
-    view.yaw = kThreeQuarter - std::atan2(sideways.z(), sideways.x());
-    break;
+    if (std::hypot(sideways.x(), sideways.z()) >= 1e-6) return -std::atan2(sideways.z(), sideways.x());
   }
-  return view;
+  return 0.0;
 }
+
+Viewpoint FrontView(const Motion& motion) { return {kThreeQuarter + FrontYaw(motion), kRaised}; }
 
 std::vector<int> StillFrames(int frame_count, int stills) {
   std::vector<int> frames;

@@ -40,6 +40,8 @@ struct Viewpoint {
   Vector3d Turn(const Vector3d& point) const;
 };
 
+/// The yaw of a view from the front of the person in the middle frame (its hips, else its shoulders); 0 without both.
+double FrontYaw(const Motion& motion);
 /// Three-quarter view on the person in the middle frame of a motion (its hips, else its shoulders).
 Viewpoint FrontView(const Motion& motion);
 

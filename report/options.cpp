@@ -41,6 +41,15 @@ void ClipPageOptions::Declare(OptionVisitor& v) {
   v.Text("no_video", no_video, "why there is no video");
 }
 
+void ViewerOptions::Declare(OptionVisitor& v) {
+  v.Text("title", title, "title of the page");
+  v.Texts("clips", clips, "ids of the clips to show, or their ends; empty: all");
+  v.Text("beside", beside, "folder beside the page for motions that are not in it");
+  v.Number("page_bytes", page_bytes, Unit::kNone, {0.0, 1e9},
+           "maximum size of motions in the page, bytes; of larger sets all are beside it");
+  v.Bool("skin_if_it_fits", skin_if_it_fits, "leave out a body that does not fit a skeleton");
+}
+
 void PictureOptions::Declare(OptionVisitor& v) {
   v.Choice("kind", kind,
            {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
@@ -78,6 +87,8 @@ StageDeclaration ReviewDeclaration() { return {"review", 5, "mocurate-annotate",
 StageDeclaration AnnotateDeclaration() { return {"annotate", 6, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration SurveyDeclaration() { return {"survey", 4, "mocurate-annotate", WholeSetLimits()}; }
+
+StageDeclaration ViewDeclaration() { return {"view", 1, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 10, "mocurate-annotate", ClipLimits()}; }
 

@@ -50,6 +50,17 @@ struct SurveyOptions {
   void Declare(OptionVisitor& v);
 };
 
+/// Options of a page of the viewer.
+struct ViewerOptions {
+  std::string title;
+  std::vector<std::string> clips;  ///< ids or their ends; empty: all
+  std::string beside = "parts";    ///< folder beside the page for parts that are not in it
+  double page_bytes = 22.0e6;      ///< of motions in the page: above, all parts are beside it
+  bool skin_if_it_fits = false;    ///< a body that does not fit a skeleton is left out
+
+  void Declare(OptionVisitor& v);
+};
+
 enum class PictureKind { kClip, kOverlay, kCloud };
 
 struct PictureOptions {

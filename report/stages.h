@@ -37,6 +37,12 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request);
 /// without rotations where there is a body.
 Expected<StageOutcome> SurveyStage(const StageRequest& request);
 
+/// Sets of motions (role "motions", named after their source; role "body": a skin) -> a folder with index.html, a page
+/// of the viewer, and, where options.page_bytes is exceeded, part_0000.js and so on, which belong into the folder
+/// `beside` the page. Clips are read one at a time. Errors of reading; kNotFound for an unknown clip, kInconsistent
+/// where no clip has a motion or a body does not fit.
+Expected<StageOutcome> ViewStage(const StageRequest& request);
+
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)
 /// -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
 /// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,
@@ -52,6 +58,7 @@ StageDeclaration ReportDeclaration();
 StageDeclaration ReviewDeclaration();
 StageDeclaration AnnotateDeclaration();
 StageDeclaration SurveyDeclaration();
+StageDeclaration ViewDeclaration();
 StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

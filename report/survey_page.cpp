@@ -23,6 +23,7 @@
 #include "report/stages.h"
 #include "report/survey.h"
 #include "report/survey_script.h"
+#include "report/viewer_data.h"
 
 namespace mocurate {
 namespace {
@@ -37,51 +38,6 @@ constexpr std::size_t kMostVertices = 65536;
 
 /// Clips of each question, in the order of the page.
 using ShownClips = std::vector<std::vector<Clip>>;
-
-void Append16(double value, std::string& bytes) {
-  const auto bits = static_cast<std::uint16_t>(std::lround(value));
-  bytes += static_cast<char>(bits & 0xFFU);
-  bytes += static_cast<char>(bits >> 8U);
-}
-
-/// Four strongest weights of a vertex, of sum 255, then their joints.
-void AppendWeights(const double* weights, std::size_t joints, std::string& bytes) {
-  constexpr std::size_t kWeights = 4;
-  std::vector<std::pair<double, std::size_t>> strongest(std::max(joints, kWeights));
-  for (std::size_t j = 0; j < joints; ++j) strongest[j] = {weights[j], j};
-  std::partial_sort(strongest.begin(), strongest.begin() + kWeights, strongest.end(), std::greater<>());
-  double sum = 0.0;
-  for (std::size_t k = 0; k < kWeights; ++k) sum += strongest[k].first;
-  std::array<long, kWeights> shares{255, 0, 0, 0};
-  for (std::size_t k = 1; k < kWeights; ++k) {
-    shares[k] = std::lround(255.0 * strongest[k].first / sum);
-    shares[0] -= shares[k];
-  }
-  for (const long share : shares) bytes += static_cast<char>(share);
-  for (std::size_t k = 0; k < kWeights; ++k) bytes += static_cast<char>(strongest[k].second);
-}
-
-/// The body of kSkinScript.
-nlohmann::json BodyJson(const Skin& skin, const Skeleton& skeleton) {
-  constexpr double kTenths = 1e4;  // of a millimetre
-  nlohmann::json json = {{"parents", nlohmann::json::array()}, {"joints", nlohmann::json::array()}};
-  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    json["parents"].push_back(skeleton.joints[j].parent);
-    for (int i = 0; i < 3; ++i) json["joints"].push_back(std::lround(kTenths * skin.joints[j][i]));
-  }
-  std::string vertices, faces, weights;
-  for (std::size_t v = 0; v < skin.vertices.size(); ++v) {
-    for (int i = 0; i < 3; ++i) Append16(kTenths * skin.vertices[v][i], vertices);
-    AppendWeights(&skin.weights[v * skin.joints.size()], skin.joints.size(), weights);
-  }
-  for (const std::array<int, 3>& face : skin.faces) {
-    for (const int corner : face) Append16(corner, faces);
-  }
-  json["vertices"] = Base64(vertices);
-  json["faces"] = Base64(faces);
-  json["weights"] = Base64(weights);
-  return json;
-}
 
 /// A motion of kSkinScript, in the view of the player.
 nlohmann::json PoseJson(const Motion& motion) {
@@ -212,7 +168,7 @@ Expected<nlohmann::json> ReadBody(const std::filesystem::path& file, const Skele
                     " vertices; a page has at most 64 and 65536",
                 DisplayPath(file), "use SMPL or body_cc0, or --figure bones");
   }
-  return BodyJson(*skin, skeleton);
+  return SkinJson(*skin, skeleton);
 }
 
 /// Problems of a survey: cues that may reveal the sources although the page names none, and meaningless questions.

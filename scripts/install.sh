@@ -6,8 +6,8 @@ what=${1:-programs}
 programs=(g++ cmake ninja-build ccache mold pkg-config git ca-certificates xz-utils
   libeigen3-dev libboost-dev nlohmann-json3-dev libexpected-dev libcli11-dev libyaml-cpp-dev libpugixml-dev libtomlplusplus-dev libspdlog-dev libfmt-dev libssl-dev
   libhdf5-dev zlib1g-dev libzip-dev libpng-dev libceres-dev libsuitesparse-dev libopen3d-dev libopencv-dev libtorch-dev
-  libopenblas-dev libopenblas0-pthread libnanoflann-dev)
-tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy python3-scipy hdf5-tools chromium locales procps binutils libblas3
+  libjs-three libopenblas-dev libopenblas0-pthread libnanoflann-dev)
+tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy python3-scipy hdf5-tools chromium chromium-driver python3-selenium locales procps binutils libblas3
   libassimp-dev mount parallel snakemake)
 develop=(libbenchmark-dev clang-format clang-tidy clang libclang-rt-14-dev python3-torch)
 slurm=(slurm-wlm munge)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Lines of C++ per module without blank lines and comments. Usage: scripts/size.py [--files] [COMMIT]
 
-Scripts, styles and texts of pages, R"js(...)js" and the like, are the row "scripts". Sources are formatted by
+Scripts, styles and texts of pages, .js, .css, R"js(...)js" and the like, are the row "scripts". Sources are formatted by
 scripts/format.sh first; then a module cannot shrink by dense code. "product" is the total without tests and scripts.
 With COMMIT that of the commit stands beside; --files lists the largest files of each module.
 """
@@ -36,12 +36,15 @@ def sizes(commit):
                                                                                       "--exclude-standard").split("\n")
     counted = {}
     for name in names:
-        if not re.search(r"\.(cpp|h)$", name) or name.split("/")[0] not in MODULES:
+        if not re.search(r"\.(cpp|h|js|css)$", name) or name.split("/")[0] not in MODULES:
             continue
         try:
             text = git("show", f"{commit}:{name}") if commit else open(name, encoding="utf-8").read()
         except FileNotFoundError:
             continue  # deleted, not yet committed
+        if re.search(r"\.(js|css)$", name):
+            counted["scripts/" + name] = code_lines(text)
+            continue
         counted[name] = code_lines(text)
         if (scripts := script_lines(text)) and name.split("/")[0] != "tests":
             counted["scripts/" + name] = scripts

@@ -42,5 +42,6 @@ int main(int argc, char** argv) {
                     {ReviewDeclaration().name, ReviewStage},
                     {AnnotateDeclaration().name, AnnotateStage},
                     {SurveyDeclaration().name, SurveyStage},
+                    {ViewDeclaration().name, ViewStage},
                     {PictureDeclaration().name, PictureStage}});
 }

@@ -140,6 +140,17 @@ struct DrawArguments {
   std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
 };
 
+struct ViewArguments {
+  std::vector<std::string> motions;  ///< files, folders or runs; NAME=PATH names the source
+  std::string source;                ///< source declaration of them, or empty
+  std::vector<std::string> clips;    ///< ids or their ends; empty: all
+  std::filesystem::path body;        ///< of a skin; empty: body_cc0.h5 where it is found
+  std::string title;
+  std::filesystem::path output;       ///< .html; empty: a temporary page, which is opened
+  bool force = false;                 ///< overwrite
+  std::vector<std::string> tolerate;  ///< codes of findings for which no clip is refused
+};
+
 struct ReproduceArguments {
   std::string id;                               ///< "actor/table3", or "list"
   std::vector<std::string> data;                ///< NAME=PATH
@@ -305,6 +316,7 @@ Status RigAuditVerb(CommonArguments& common, const RigAuditArguments& arguments)
 Status ExportVerb(CommonArguments& common, const ExportArguments& arguments);
 Status GenerateVerb(CommonArguments& common, const GenerateArguments& arguments);
 Status DrawVerb(CommonArguments& common, const DrawArguments& arguments);
+Status ViewVerb(CommonArguments& common, const ViewArguments& arguments);
 Status ReproduceVerb(CommonArguments& common, const ReproduceArguments& arguments);
 Status EvalVerb(CommonArguments& common, const EvalArguments& arguments);
 /// EvalVerb of fits with ground truth.

@@ -307,7 +307,8 @@ TEST(VerbsThatReadFiles, RefuseWhatARunRefusesUnlessItIsTolerated) {
       "'+x +y +z'}\n");
   const std::string file = folder / "walk.bvh", source = folder / "source.yaml";
   for (const std::vector<std::string>& verb : {std::vector<std::string>{"export", file, "-o", folder / "walk.npz"},
-                                               {"draw", file, "-o", folder / "walk.svg"}}) {
+                                               {"draw", file, "-o", folder / "walk.svg"},
+                                               {"view", file, "-o", folder / "walk.html"}}) {
     std::vector<std::string> arguments = verb;
     arguments.insert(arguments.end(), {"--source", source});
     const Result refused = RunProgram(folder, arguments);
@@ -320,6 +321,33 @@ TEST(VerbsThatReadFiles, RefuseWhatARunRefusesUnlessItIsTolerated) {
     arguments.back() = "rate_implausibl";
     EXPECT_EQ(RunProgram(folder, arguments).exit_code, 2);
   }
+}
+
+TEST(View, WritesAPageOfFilesAndRunsAndRefusesOthers) {
+  const ScratchFolder folder;
+  const Dataset set = SwingingSet("smpl24");
+  ASSERT_TRUE(WriteDataset(set, folder / "set.h5"));
+  std::filesystem::create_directory(folder / "run");
+  program::WriteText(folder / "run/run.json", "{}");
+  const auto view = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "view");
+    words.emplace_back("--json");
+    return RunProgram(folder, words);
+  };
+  const std::string file = folder / "set.h5", run = folder / "run", page = folder / "page.html";
+  EXPECT_EQ(view({run, "-o", page}).exit_code, 3) << "no dataset yet";
+  ASSERT_TRUE(WriteDataset(set, folder / "run/dataset.h5"));
+  const Result both = view({"raw=" + file, run, "-o", page});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(both.Json()["clips"], 2 * set.clips.size());
+  EXPECT_EQ(both.Json()["sources"], 2);
+  EXPECT_THAT(ReadFile(page).value_or(""), HasSubstr("\"name\":\"raw\""));
+  EXPECT_EQ(view({file, "-o", page}).exit_code, 2) << "it is there";
+  EXPECT_EQ(view({file, "-o", page, "--force", "--clip", set.clips[1].id()}).Json()["clips"], 1);
+  EXPECT_EQ(view({file, "-o", page, "--force", "--clip", "nobody"}).exit_code, 3);
+  EXPECT_EQ(view({file, "-o", folder / "page.svg"}).exit_code, 2);
+  EXPECT_EQ(view({folder / "none.h5", "-o", page, "--force"}).exit_code, 3);
+  EXPECT_EQ(view({file, "-o", page, "--force", "--body", file}).exit_code, 3) << "no body";
 }
 
 TEST(RunAndExport, PutFeetAtHeightZeroWhereTheFloorIsMeasuredAndSaySo) {

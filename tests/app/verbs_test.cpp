@@ -20,6 +20,7 @@ TEST(Help, EveryVerbHasAnExample) {
                                                                 {"audit"},
                                                                 {"rig", "audit"},
                                                                 {"draw"},
+                                                                {"view"},
                                                                 {"reproduce"},
                                                                 {"survey", "make"},
                                                                 {"survey", "tally"},
@@ -52,8 +53,9 @@ TEST(Usage, AnUnknownVerbOrOptionIsExitCode2) {
   EXPECT_THAT(RunProgram(folder, {"runn"}).err, HasSubstr("there is no verb 'runn' (did you mean 'mocurate run'?)"));
   EXPECT_THAT(
       RunProgram(folder, {"fly"}).err,
-      HasSubstr("the verbs are: run, plan, jobs, fit, rig, export, generate, draw, reproduce, eval, audit, review, "
-                "survey, dataset, inspect, synthesize, config, doctor, cache"));
+      HasSubstr(
+          "the verbs are: run, plan, jobs, fit, rig, export, generate, draw, view, reproduce, eval, audit, review, "
+          "survey, dataset, inspect, synthesize, config, doctor, cache"));
   EXPECT_THAT(RunProgram(folder, {"kard.yaml"}).err, HasSubstr("did you mean 'mocurate run kard.yaml'?"));
   EXPECT_THAT(RunProgram(folder, {"run", "--to", "asemble"}).err, HasSubstr("did you mean 'assemble'?"));
   const Result stage = RunProgram(folder, {"run", "--to", "heaven", "-o", (folder / "r").string()});

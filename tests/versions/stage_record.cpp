@@ -184,6 +184,16 @@ nlohmann::json RecordJson(const nlohmann::json& value) {
 }
 
 Expected<nlohmann::json> RecordArtifact(const std::filesystem::path& artifact) {
+  if (std::filesystem::is_directory(artifact)) {
+    nlohmann::json files = nlohmann::json::object();
+    for (const auto& entry : std::filesystem::directory_iterator(artifact)) {
+      const auto page = entry.path().extension() == ".html" ? RecordArtifact(entry.path())
+                                                            : Expected<nlohmann::json>(entry.file_size());
+      if (!page) return Forward(page);
+      files[entry.path().filename().string()] = *page;
+    }
+    return files;
+  }
   const auto bytes = ReadFile(artifact);
   if (!bytes) return Forward(bytes);
   if (bytes->rfind("\x89HDF", 0) == 0) return RecordHdf5(artifact);

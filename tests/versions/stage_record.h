@@ -13,7 +13,8 @@ namespace mocurate::versions {
 
 /// Record of an artifact. HDF5: every field with shape, type and figures {"mean", "rms", "mix"} (mix: the values
 /// weighted by position, so that exchanged values are detected). JSON: its values. Other text: its wording without the
-/// numbers. Anything else: its length. Hashes and the program's version are not recorded.
+/// numbers. Anything else: its length. A folder: its pages, and the lengths of its
+/// other files. Hashes and the program's version are not recorded.
 Expected<nlohmann::json> RecordArtifact(const std::filesystem::path& artifact);
 
 /// Record of any JSON value, by the same rules.

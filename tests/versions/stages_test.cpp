@@ -408,6 +408,9 @@ TEST_F(StageVersions, PicturesOfMotions) {
   Write(WriteDataset(SmallDataset(), Path("dataset.h5")));
   const std::vector<StageInput> motions = {Input("motions", "real", "dataset.h5")};
   Judge(MotionPictureDeclaration(), "draw", {"motions", OptionsToJson(MotionPictureOptions()), motions}, kRounded);
+  ViewerOptions whole;
+  whole.page_bytes = 0.0;  // parts beside the page
+  Judge(ViewDeclaration(), "view", {"view", OptionsToJson(whole), motions}, kRounded);
   MotionPictureOptions one;
   one.clips = {SmallDataset().clips.front().id()};
   Judge(MotionVideoDeclaration(), "draw_video", {"motions", OptionsToJson(one), motions}, kRounded);

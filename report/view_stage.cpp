@@ -1,0 +1,121 @@
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/base/file.h"
+#include "core/base/text.h"
+#include "core/store/dataset_clips.h"
+#include "report/html.h"
+#include "report/options.h"
+#include "report/stages.h"
+#include "report/viewer_data.h"
+
+namespace mocurate {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Part of each clip in the first split, by its row.
+std::map<int, std::string> PartsOf(const Dataset& outline) {
+  std::map<int, std::string> parts;
+  if (outline.splits.empty()) return parts;
+  const Split& split = outline.splits.front();
+  for (const int row : split.train) parts[row] = "train";
+  for (const int row : split.validation) parts[row] = "validation";
+  for (const int row : split.test) parts[row] = "test";
+  return parts;
+}
+
+/// Whether the clip is one of those that are asked for.
+bool IsAsked(const Clip& clip, const ViewerOptions& options) {
+  return options.clips.empty() || std::any_of(options.clips.begin(), options.clips.end(),
+                                              [&](const std::string& name) { return IsCalled(clip, name); });
+}
+
+/// Clips of a set, one at a time. `without`: clips that have no motion.
+Status AddSet(const StageInput& input, const ViewerOptions& options, const StageInput* body, ViewerData& data,
+              std::vector<std::string>& without) {
+  const auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kHashes);
+  if (!clips) return Forward(clips);
+  const auto outline = clips->Outline();
+  if (!outline) return Forward(outline);
+  const int source = data.AddSource(input.name);
+  const std::map<int, std::string> parts = PartsOf(*outline);
+  std::map<std::string, std::vector<Finding>> findings;
+  for (const Finding& finding : outline->findings) findings[finding.clip].push_back(finding);
+  if (body != nullptr && !outline->joints_only && outline->skeleton) {
+    const auto skin = ReadSkin(body->path, *outline->skeleton);
+    if (!skin && !options.skin_if_it_fits) return Forward(skin);
+    if (skin) data.SetSkin(*skin, *outline->skeleton);
+  }
+  for (std::size_t row = 0; row < clips->size(); ++row) {
+    if (!IsAsked(outline->clips[row], options)) continue;
+    const auto clip = clips->Read(row);
+    if (!clip) return Forward(clip);
+    if (!clip->motion || clip->motion->frame_count() == 0) {
+      without.push_back(clip->id());
+      continue;
+    }
+    const auto part = parts.find(static_cast<int>(row));
+    const ViewedClip viewed{*clip, findings[clip->id()], part == parts.end() ? "" : part->second};
+    if (Status added = data.Add(source, viewed); !added) return added;
+  }
+  return {};
+}
+
+std::string PartName(int part) { return "part_" + ZeroPadded(part, 4); }
+
+}  // namespace
+
+Expected<StageOutcome> ViewStage(const StageRequest& request) {
+  const auto options = OptionsFromJson<ViewerOptions>(request.options, "view");
+  if (!options) return Forward(options);
+  if (Status made = MakeFolder(request.output); !made) return Forward(made);
+  ViewerData data(
+      [&](int part, const std::string& bytes) { return WriteFile(request.output / PartName(part), Base64(bytes)); });
+  const StageInput* body = FindInput(request, "body");
+  std::vector<std::string> without;
+  for (const StageInput& input : request.inputs) {
+    if (input.role != "motions") continue;
+    if (Status added = AddSet(input, *options, body, data, without); !added) return Forward(added);
+  }
+  if (Status finished = data.Finish(); !finished) return Forward(finished);
+  if (data.clips() == 0) {
+    const bool named = !options->clips.empty() && without.empty();
+    return Fail(named ? ErrorCode::kNotFound : ErrorCode::kInconsistent,
+                named ? "no clip is called '" + options->clips.front() + "'" : "there is no clip with a motion",
+                request.inputs.front().name, named ? "`mocurate inspect` lists the clips" : "give files of motions");
+  }
+  nlohmann::json index = data.Index();
+  index["page"] = true;  // the address and keys of the browser's window are the viewer's
+  index["beside"] = options->beside;
+  index["id"] = options->beside;
+  const bool whole = data.bytes() * 4 / 3 <= static_cast<std::size_t>(options->page_bytes);
+  std::vector<std::string> parts;
+  for (int part = 0; part < data.parts(); ++part) {
+    const fs::path file = request.output / PartName(part);
+    auto text = ReadFile(file);
+    if (!text) return Forward(text);
+    std::error_code problem;
+    fs::remove(file, problem);
+    if (whole) {
+      parts.push_back(std::move(*text));
+      continue;
+    }
+    const std::string call = "mocurateParts.take(" + std::to_string(kViewerSchema) + "," +
+                             nlohmann::json(options->beside).dump() + "," + std::to_string(part) + ",\"" + *text +
+                             "\");\n";
+    if (Status written = WriteFile(request.output / (PartName(part) + ".js"), call); !written) return Forward(written);
+  }
+  const std::string page = ViewerPage(options->title, index, parts);
+  if (Status written = WriteFile(request.output / "index.html", page); !written) return Forward(written);
+  StageOutcome outcome;
+  outcome.summary = {{"clips", data.clips()},
+                     {"parts", whole ? 0 : data.parts()},
+                     {"bytes", page.size()},
+                     {"without_motion", without},
+                     {"sources", index["sources"].size()}};
+  return outcome;
+}
+
+}  // namespace mocurate

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/finding.h"
+#include "core/motion/clip.h"
+#include "core/skin/skin.h"
+
+namespace mocurate {
+
+/// Number of the layout of a viewer's index and parts; report/viewer/data.js has the same.
+inline constexpr int kViewerSchema = 1;
+
+/// A clip to view, with what is known beside its motion.
+struct ViewedClip {
+  const Clip& clip;
+  std::vector<Finding> findings{};
+  std::string part{};                   ///< of the first split: "train", "validation", "test"; or empty
+  const JointTracks* tracks = nullptr;  ///< observed points in the motion's world, one sample a frame
+};
+
+/// Packs motions for the viewer: an index (JSON) and parts of some megabytes, each of whole clips, which the page
+/// decodes when they are shown. Of a clip of F frames, J joints and K tracked points, little-endian, each array padded
+/// to four bytes: the root (F,3) float32, metres; joints less the root (F,J,3) int16 in `unit` tenths of a millimetre,
+/// -32768 a missing one; rotation vectors (F,J,3) int16, pi / 32767; tracked points less the root (F,K,3) int16; states
+/// (F,J) uint8; standard deviation of a position (F,J) uint8, 16 log2(1 + sigma / 0.1 mm), 255: none; contacts (F)
+/// uint8, bit 0 left. Absent fields have no array (`has`).
+class ViewerData {
+ public:
+  /// Takes the bytes of a part that is full.
+  using Sink = std::function<Status(int part, const std::string& bytes)>;
+
+  explicit ViewerData(Sink sink, std::size_t part_bytes = std::size_t{3} << 20U)
+      : sink_(std::move(sink)), part_bytes_(part_bytes) {}
+
+  /// Returns the number of the source, which the page names.
+  int AddSource(const std::string& name);
+  /// A skin for clips of the skeleton.
+  void SetSkin(const Skin& skin, const Skeleton& skeleton);
+  /// Errors of the sink.
+  Status Add(int source, const ViewedClip& viewed);
+  /// The last part.
+  Status Finish();
+
+  int parts() const { return parts_; }
+  std::size_t clips() const { return clips_.size(); }
+  std::size_t bytes() const { return written_; }
+  /// {"schema", "sources", "skeletons", "skins", "bodies", "clips"}.
+  nlohmann::json Index() const;
+
+ private:
+  int SkeletonOf(const Skeleton& skeleton);
+  int BodyOf(const Clip& clip, double scale);
+
+  Sink sink_;
+  std::size_t part_bytes_;
+  int parts_ = 0;
+  std::size_t written_ = 0;
+  std::string part_;
+  nlohmann::json sources_ = nlohmann::json::array(), skeletons_ = nlohmann::json::array();
+  nlohmann::json skins_ = nlohmann::json::array(), bodies_ = nlohmann::json::array();
+  nlohmann::json clips_ = nlohmann::json::array();
+  std::map<std::string, int> known_skeletons_, known_bodies_;
+};
+
+/// A skin for scripts: {"parents", "joints" (3J), "vertices" int16 (V,3), both tenths of a millimetre, "faces" uint16
+/// (F,3), "weights" uint8 (V,8): four weights of sum 255 and their joints}; arrays in base64.
+nlohmann::json SkinJson(const Skin& skin, const Skeleton& skeleton);
+
+/// Appends a rounded number, little-endian.
+void Append16(double value, std::string& bytes);
+
+/// The page of an index whose parts are inline (base64 texts) or, where there are none, in the folder that the index
+/// names ("beside").
+std::string ViewerPage(const std::string& title, const nlohmann::json& index, const std::vector<std::string>& parts);
+
+}  // namespace mocurate

@@ -1,0 +1,270 @@
+// The viewer: what its pages hold, and what they do in a browser.
+
+#include "report/viewer_data.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "core/base/pi.h"
+#include "report/html.h"
+#include "tests/report/browser.h"
+#include "tests/report/builders.h"
+#include "tests/support/folders.h"
+
+namespace mocurate::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+Clip ClipOf(const std::string& source, const std::string& recording, Motion motion) {
+  Clip clip;
+  clip.identity = {source, "p1", recording, "", "", "", 0, motion.frame_count()};
+  clip.rate = motion.rate;
+  clip.motion = std::move(motion);
+  return clip;
+}
+
+/// Random rotations, places, states, deviations and contacts.
+Motion Tumbling(int frames, Random& random) {
+  Motion motion = Stepping(Walker(), frames);
+  for (Vector3d& root : motion.root_translation)
+    root = Vector3d(random.Uniform(-50, 50), random.Uniform(0, 2), random.Uniform(-9, 9));
+  for (Quaterniond& turn : motion.rotation) {
+    turn = ExpQuaternion(kPi * Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1), random.Uniform(-1, 1)));
+  }
+  motion = MakeMotion(motion.skeleton, motion.rate, motion.root_translation, motion.rotation, motion.bone_length);
+  const auto cells = static_cast<std::size_t>(frames) * motion.joint_count();
+  for (std::size_t i = 0; i < cells; ++i) {
+    motion.state.push_back(static_cast<JointState>(i % 4));
+    for (const float c : {1e-4F, 0.0F, 0.0F, 4e-4F, 0.0F, 1e-4F}) motion.position_cov.push_back(c);
+  }
+  for (int f = 0; f < 2 * frames; ++f) motion.contact.push_back(f % 3 == 0 ? 1 : 0);
+  return motion;
+}
+
+template <class T>
+std::vector<T> Next(const std::string& bytes, std::size_t& at, std::size_t count) {
+  std::vector<T> values(count);
+  std::memcpy(values.data(), bytes.data() + at, count * sizeof(T));
+  at += (count * sizeof(T) + 3) / 4 * 4;
+  return values;
+}
+
+TEST(ViewerData, AMotionComesBackWithinItsSteps) {
+  Random random(7, "viewer");
+  for (const int frames : {1, 2, 31}) {
+    Motion motion = Tumbling(frames, random);
+    const int joints = motion.joint_count();
+    std::string bytes;
+    ViewerData data([&](int, const std::string& part) {
+      bytes = part;
+      return Status();
+    });
+    const Clip clip = ClipOf("a", "r", motion);
+    ASSERT_TRUE(data.Add(data.AddSource("a"), {clip}));
+    ASSERT_TRUE(data.Finish());
+    const nlohmann::json index = data.Index(), &entry = index["clips"][0];
+    EXPECT_EQ(entry["has"], (nlohmann::json{"rotations", "state", "sigma", "contact"}));
+    std::size_t at = 0;
+    const auto cells = static_cast<std::size_t>(frames) * joints;
+    const auto root = Next<float>(bytes, at, 3 * static_cast<std::size_t>(frames));
+    const auto places = Next<std::int16_t>(bytes, at, 3 * cells), turns = Next<std::int16_t>(bytes, at, 3 * cells);
+    const auto states = Next<std::uint8_t>(bytes, at, cells), sigmas = Next<std::uint8_t>(bytes, at, cells);
+    const auto contacts = Next<std::uint8_t>(bytes, at, static_cast<std::size_t>(frames));
+    EXPECT_EQ(at, bytes.size());
+    const double step = 1e-4 * entry["unit"].get<int>();
+    EXPECT_LE(step, 1e-4) << "a person is within 3.2 m of the root";
+    for (int f = 0; f < frames; ++f) {
+      EXPECT_EQ(contacts[f], (motion.contact[2 * f] != 0 ? 1 : 0) + (motion.contact[2 * f + 1] != 0 ? 2 : 0));
+      for (int j = 0; j < joints; ++j) {
+        const std::size_t cell = static_cast<std::size_t>(f) * joints + j;
+        Vector3d place, turn;
+        for (int i = 0; i < 3; ++i) {
+          place[i] = root[3 * f + i] + step * places[3 * cell + i];
+          turn[i] = kPi / 32767.0 * turns[3 * cell + i];
+        }
+        EXPECT_LT((place - motion.joints.at(f, j)).cwiseAbs().maxCoeff(), 0.51 * step);
+        EXPECT_LT(ExpQuaternion(turn).angularDistance(motion.rotation[cell]), 1.5e-4);
+        EXPECT_EQ(states[cell], static_cast<int>(motion.state[cell]));
+        const double sigma = 1e-4 * (std::pow(2.0, sigmas[cell] / 16.0) - 1.0);
+        EXPECT_NEAR(sigma, std::sqrt(2e-4), 0.03 * std::sqrt(2e-4));
+      }
+    }
+  }
+}
+
+TEST(ViewerData, MissingJointsAreGapsAndFarOnesWidenTheStep) {
+  Motion motion = Stepping(Walker(), 3);
+  motion.rotation.clear();
+  motion.root_translation.clear();
+  motion.bone_length.clear();
+  motion.joints.at(1, 4) = Vector3d::Constant(std::nan(""));
+  motion.joints.at(2, 5) = Vector3d(0.0, 0.95, 3.0 + 20.0);
+  std::string bytes;
+  ViewerData data([&](int, const std::string& part) {
+    bytes = part;
+    return Status();
+  });
+  const Clip clip = ClipOf("a", "r", motion);
+  ASSERT_TRUE(data.Add(data.AddSource("a"), {clip}));
+  ASSERT_TRUE(data.Finish());
+  const nlohmann::json entry = data.Index()["clips"][0];
+  EXPECT_TRUE(entry["has"].empty());
+  EXPECT_EQ(entry["unit"], 7);
+  std::size_t at = 36;
+  const auto places = Next<std::int16_t>(bytes, at, 81);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(places[3 * (9 + 4) + i], -32768);
+  EXPECT_NEAR(places[3 * (18 + 5) + 2] * 7e-4, 20.0, 4e-4);
+}
+
+/// Datasets, and the page that the stage makes of them.
+struct Viewed {
+  ScratchFolder folder;
+  ViewerOptions options;
+  std::vector<Dataset> sets = std::vector<Dataset>(2);
+
+  Viewed() {
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+      Dataset& set = sets[s];
+      set.skeleton = Walker();
+      set.labels = {"step", "wave \"x\" </script><b>"};
+      for (int i = 0; i < 3; ++i) {
+        set.clips.push_back(
+            ClipOf(s == 0 ? "raw" : "fit", "r" + std::to_string(i), Stepping(set.skeleton, 40 + 10 * i)));
+        set.clips.back().label = set.labels[i == 2 ? 1 : 0];
+        set.clips.back().segments = {{0.2, 0.7, "lift <i>", "", "annotated"}};
+      }
+      set.findings = {FindingOfFrames("speed_spike", 10, 14, 20.0, "a <b> is fast", FindingAction::kFlagged)};
+      set.findings[0].clip = set.clips[1].id();
+    }
+    options.title = "one & \"two\"";
+  }
+
+  Expected<StageOutcome> Make() {
+    std::error_code none;
+    std::filesystem::remove_all(folder / "page", none);
+    StageRequest request{"view", "view", OptionsToJson(options), {}, folder / "page", {}};
+    for (std::size_t s = 0; s < sets.size(); ++s) {
+      const std::string name = "set" + std::to_string(s);
+      EXPECT_TRUE(WriteDataset(sets[s], folder / (name + ".h5")));
+      request.inputs.push_back({"motions", name + " <u>", folder / (name + ".h5"), ""});
+    }
+    return ViewStage(request);
+  }
+
+  std::string Html() const { return ReadFile(folder / "page/index.html").value_or(""); }
+
+  /// What tests/report/drive_viewer.py saw.
+  nlohmann::json Drive(const std::string& how, const std::vector<std::string>& pages = {"page"}) const {
+    std::string command = "LC_ALL=C timeout 120 /usr/bin/python3 '" + std::string(kSourceFolder) +
+                          "/tests/report/drive_viewer.py' '" + (folder / "profile").string() + "' " + how;
+    for (const std::string& page : pages) command += " '" + (folder / page).string() + "/index.html'";
+    command += " > '" + (folder / "seen.json").string() + "' 2> '" + (folder / "log.txt").string() + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0) << ReadFile(folder / "log.txt").value_or("");
+    return nlohmann::json::parse(ReadFile(folder / "seen.json").value_or("{}"), nullptr, false);
+  }
+};
+
+TEST(Viewer, ItsPageLoadsNothingEscapesTextsAndHasTheSameBytesAgain) {
+  Viewed viewed;
+  const auto made = viewed.Make();
+  ASSERT_TRUE(made) << made.error().Message();
+  EXPECT_EQ(made->summary["clips"], 6);
+  EXPECT_EQ(made->summary["parts"], 0);
+  const std::string page = viewed.Html();
+  EXPECT_THAT(page, HasSubstr("<title>one &amp; &quot;two&quot;</title>"));
+  for (const char* unsafe : {"</script><b>", "<script src", "@import", "url(", "src=\"http"}) {
+    EXPECT_EQ(page.find(unsafe), std::string::npos) << unsafe;
+  }
+  ASSERT_TRUE(viewed.Make());
+  EXPECT_TRUE(viewed.Html() == page);
+}
+
+TEST(Viewer, ClipsAreChosenAndWhatShowsNothingIsRefused) {
+  Viewed viewed;
+  viewed.options.clips = {"r1"};
+  EXPECT_EQ(viewed.Make()->summary["clips"], 2);
+  viewed.options.clips = {"nobody"};
+  EXPECT_EQ(viewed.Make().error().code, ErrorCode::kNotFound);
+  viewed.options.clips = {};
+  for (Dataset& set : viewed.sets) set.clips.clear();
+  for (Dataset& set : viewed.sets) set.findings.clear();
+  EXPECT_EQ(viewed.Make().error().code, ErrorCode::kInconsistent);
+}
+
+TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  Viewed viewed;
+  ASSERT_TRUE(viewed.Make());
+  const nlohmann::json seen = viewed.Drive("whole");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["console"], nlohmann::json::array());
+  EXPECT_EQ(seen["stage"], "webgl");
+  EXPECT_GT(seen["coloured"], 3000) << "pixels of two persons";
+  EXPECT_EQ(seen["nameless"], nlohmann::json::array()) << "controls without a name, or out of reach of the keyboard";
+  EXPECT_EQ(seen["clip"], "raw/p1/r0#0-40");
+  EXPECT_THAT(seen["rows"].get<std::string>(), HasSubstr("segments"));
+  EXPECT_EQ(seen["after_right"], "0.033");
+  EXPECT_EQ(seen["after_end"], "1.300");
+  EXPECT_EQ(seen["playing"], "true");
+  EXPECT_EQ(seen["paused"], "false");
+  EXPECT_THAT(seen["hash"].get<std::string>(), HasSubstr("#clip=raw%2Fp1%2Fr0"));
+  EXPECT_NEAR(seen["turned"], -1.0, 0.05);
+  EXPECT_NEAR(seen["turned_by_keys"], -0.15, 1e-6);
+  EXPECT_NEAR(seen["front"], 0.0, 1e-3) << "the person faces +z";
+  EXPECT_EQ(seen["listed"], 3) << "clips of both sets stand together";
+  EXPECT_EQ(seen["second"], "raw/p1/r1#0-50");
+  EXPECT_EQ(seen["second_time"], "0.000");
+  EXPECT_GT(seen["beside"][1], seen["beside"][0]);
+  EXPECT_EQ(seen["over"], (nlohmann::json{0, 0}));
+  EXPECT_EQ(seen["hidden"], 1);
+  EXPECT_EQ(seen["found"], 0);
+  EXPECT_EQ(seen["found_label"], 1);
+  EXPECT_EQ(seen["linked_time"], "0.500");
+  EXPECT_NE(seen["unknown"], "");
+}
+
+TEST(ViewerInABrowser, WithoutWebGlBonesAreDrawnOnACanvas) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  Viewed viewed;
+  ASSERT_TRUE(viewed.Make());
+  const nlohmann::json seen = viewed.Drive("flat")[0];
+  EXPECT_EQ(seen["stage"], "canvas");
+  EXPECT_GT(seen["coloured"], 500);
+  EXPECT_NE(seen["status"], "");
+}
+
+TEST(ViewerInABrowser, PartsBesideThePageAreReadAndWhatIsAmissIsSaid) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  Viewed viewed;
+  viewed.options.page_bytes = 0.0;
+  viewed.options.beside = ".";
+  const auto made = viewed.Make();
+  ASSERT_EQ(made->summary["parts"], 1);
+  const std::string page = viewed.Html(), part = *ReadFile(viewed.folder / "page/part_0000.js");
+  const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  const auto write = [&](const std::string& name, const std::string& html, const std::string& text) {
+    EXPECT_TRUE(MakeFolder(viewed.folder / name));
+    EXPECT_TRUE(WriteFile(viewed.folder / name / "index.html", html));
+    EXPECT_TRUE(WriteFile(viewed.folder / name / "part_0000.js", text));
+  };
+  write("other part", page, changed(part, "take(1,", "take(2,"));
+  write("cut part", page, part.substr(0, 100));
+  write("other page", changed(page, "\"schema\":1", "\"schema\":9"), part);
+  const nlohmann::json seen = viewed.Drive("look", {"page", "other part", "cut part", "other page"});
+  ASSERT_EQ(seen.size(), 4U);
+  EXPECT_GT(seen[0]["coloured"], 3000);
+  for (std::size_t i = 1; i < seen.size(); ++i) {
+    EXPECT_TRUE(seen[i]["clip"].is_null()) << seen[i];
+    EXPECT_NE(seen[i]["status"], "");
+  }
+}
+
+}  // namespace
+}  // namespace mocurate::test
