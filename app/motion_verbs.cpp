@@ -155,6 +155,10 @@ void AddDraw(const CommandLine& line) {
   draw->add_option("--figure", arguments->figure, "draw bones, capsules around them, or the skin of a rigged body")
       ->check(CLI::IsMember({"bones", "capsules", "skin"}))
       ->capture_default_str();
+  draw->add_option(
+          "--view", arguments->view,
+          "front, side, three-quarter, or AZIMUTH,ELEVATION: degrees from the person's front and above the horizon")
+      ->capture_default_str();
   draw->add_option("--body", arguments->body,
                    "SMPL_NEUTRAL.pkl or body_cc0.h5 for --figure skin (default: below MOCURATE_WEIGHTS)");
   AddRepeated(draw, "--tolerate", arguments->tolerate,
@@ -195,7 +199,7 @@ void AddView(const CommandLine& line) {
   view->footer(
       "Clips of several files with the same person, recording and frames are shown side by side, or overlaid. The "
       "page\n"
-      "needs no network; motions of more than 22 MB are in a folder beside it.\n\n"
+      "needs no network; motions of more than 24 MB are in a folder beside it.\n\n"
       "Examples:\n  mocurate view walk.bvh\n"
       "  mocurate view runs/demo -o demo.html\n"
       "  mocurate view before=raw.h5 after=runs/kard/dataset.h5 --clip '#0-90' -o both.html");

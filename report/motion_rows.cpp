@@ -57,9 +57,13 @@ struct Eye {
   Colour Of(int side) const { return only != nullptr ? *only : ColourOfSide(side); }
 };
 
-/// Level with the horizon, so that heights are preserved, and below the root of a frame.
-Eye LevelEye(const Motion& motion, int frame, Viewpoint view) {
-  view.pitch = 0.0;
+/// Where the options look from, turned with the person.
+Viewpoint ViewOf(const Motion& motion, const MotionPictureOptions& options) {
+  return {options.azimuth + FrontYaw(motion), options.elevation};
+}
+
+/// Places are seen from below the root of a frame; level with the horizon heights are preserved.
+Eye EyeBelow(const Motion& motion, int frame, const Viewpoint& view) {
   const Vector3d root = motion.joints.at(frame, 0);
   return {view, {root.x(), 0.0, root.z()}};
 }
@@ -213,16 +217,16 @@ class RowsDrawing {
     double tallest = 0.5, widest = 0.3;
     Viewpoint world;  // of the first motion
     for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
-      if (!row->clips.empty()) world = FrontView(*row->clips.front().motion);
+      if (!row->clips.empty()) world = ViewOf(*row->clips.front().motion, options);
     }
     for (const MotionRow& row : rows) {
       const std::vector<std::vector<int>> frames = FramesOf(row, options.stills);
       SeenRow seen;
       for (std::size_t c = 0; c < row.clips.size(); ++c) {
         const Motion& motion = *row.clips[c].motion;
-        const Viewpoint view = options.world ? world : FrontView(motion);
+        const Viewpoint view = options.world ? world : ViewOf(motion, options);
         for (const int frame : frames[c]) {
-          Eye eye = LevelEye(motion, frame, view);
+          Eye eye = EyeBelow(motion, frame, view);
           eye.only = row.colour ? &*row.colour : nullptr;
           seen.stills.push_back({c, frame, FigureOf(row, row.clips[c], frame, eye, options.figure)});
           seen.box.extend(seen.stills.back().figure.box);
@@ -393,7 +397,7 @@ class RowsDrawing {
 
   /// The root's path in perspective with its shadow on the floor, and its extent in words.
   double DrawPath(const Motion& motion, double left, double top) {
-    Eye eye{FrontView(motion)};
+    Eye eye{ViewOf(motion, options_)};
     eye.view.pitch = 0.55;
     const Eigen::AlignedBox3d box = PathOf(motion);
     const double half = 0.5 * std::max(path_span_, 1e-6), scale = 0.36 * kPath / half / std::sqrt(2.0);
@@ -558,7 +562,7 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
     const double floor = (kCell + kText) * std::floor(double(r) / static_cast<double>(columns)) + kCell - 6.0;
     const double scale = (kCell - 24.0) / std::max(1.9, box.sizes().y() + 0.2);
     drawing.Line({{left + 12.0, floor}, {left + kCell - 12.0, floor}}, 0.8, kFaintColour);
-    Place(FigureOf(rows[r], clip, frame, LevelEye(motion, frame, FrontView(motion)), options.figure),
+    Place(FigureOf(rows[r], clip, frame, EyeBelow(motion, frame, ViewOf(motion, options)), options.figure),
           {middle, floor + scale * box.min().y()}, scale, drawing);
     std::string label = rows[r].label.empty() ? FixedText(seconds, 2) + " s" : rows[r].label;
     for (const Segment& segment : clip.segments) {
@@ -591,7 +595,7 @@ Drawing DrawInCloud(const Clip& clip, int frame, const std::vector<Vector3d>& po
   constexpr std::size_t kMostPoints = 3000;  // more would cover the body
   Drawing drawing{2.0 * kWidth, kHeight, "Body of " + clip.id() + " inside the point cloud"};
   for (const double panel : {0.0, 1.0}) {
-    Eye eye = LevelEye(*clip.motion, frame, FrontView(*clip.motion));
+    Eye eye = EyeBelow(*clip.motion, frame, ViewOf(*clip.motion, MotionPictureOptions()));
     eye.view.yaw += 1.35 * panel;
     SeenFigure figure;
     AddCapsules(clip, frame, eye, figure);

@@ -73,6 +73,8 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Bool("path", path, "draw the root's path beside each row");
   v.Bool("world", world, "all rows in one view, over the floor of their first frame");
   v.Bool("scene", scene, "a panel for each label, with all its motions in their world");
+  v.Number("azimuth", azimuth, Unit::kRadian, {-6.3, 6.3}, "where the view is from: angle from the person's front");
+  v.Number("elevation", elevation, Unit::kRadian, {-1.6, 1.6}, "where the view is from: angle above the horizon");
   v.Choice("figure", figure,
            {{"bones", FigureChoice::kBones}, {"capsules", FigureChoice::kCapsules}, {"skin", FigureChoice::kSkin}},
            "figure of a person");
@@ -80,7 +82,7 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 24, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 25, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ReviewDeclaration() { return {"review", 5, "mocurate-annotate", WholeSetLimits()}; }
 
@@ -90,14 +92,14 @@ StageDeclaration SurveyDeclaration() { return {"survey", 4, "mocurate-annotate",
 
 StageDeclaration ViewDeclaration() { return {"view", 1, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 10, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 11, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 4, "mocurate-video", ClipLimits()}; }
 
-StageDeclaration MotionPictureDeclaration() { return {"draw", 4, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration MotionPictureDeclaration() { return {"draw", 5, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration MotionVideoDeclaration() { return {"draw_video", 2, "mocurate-video", WholeSetLimits()}; }
+StageDeclaration MotionVideoDeclaration() { return {"draw_video", 3, "mocurate-video", WholeSetLimits()}; }
 
-StageDeclaration PictureDeclaration() { return {"picture", 6, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration PictureDeclaration() { return {"picture", 7, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

@@ -55,7 +55,7 @@ struct ViewerOptions {
   std::string title;
   std::vector<std::string> clips;  ///< ids or their ends; empty: all
   std::string beside = "parts";    ///< folder beside the page for parts that are not in it
-  double page_bytes = 22.0e6;      ///< of motions in the page: above, all parts are beside it
+  double page_bytes = 23.7e6;      ///< of motions in the page, in base64: above, all parts are beside it
   bool skin_if_it_fits = false;    ///< a body that does not fit a skeleton is left out
 
   void Declare(OptionVisitor& v);
@@ -98,6 +98,8 @@ struct MotionPictureOptions {
   bool path = true;                            ///< the root's path beside each row
   bool world = false;                          ///< all rows in one view, over the floor of their first frame
   bool scene = false;                          ///< a panel for each label, with all its motions in their world
+  double azimuth = 0.785398163397448;          ///< radians from the person's front, to its left
+  double elevation = 0.0;                      ///< radians above the horizon
   FigureChoice figure = FigureChoice::kBones;
   PictureFormat format = PictureFormat::kSvg;
   double scale = 2.0;  ///< pixels of a PNG or video for each unit of the drawing

@@ -37,10 +37,10 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request);
 /// without rotations where there is a body.
 Expected<StageOutcome> SurveyStage(const StageRequest& request);
 
-/// Sets of motions (role "motions", named after their source; role "body": a skin) -> a folder with index.html, a page
-/// of the viewer, and, where options.page_bytes is exceeded, part_0000.js and so on, which belong into the folder
-/// `beside` the page. Clips are read one at a time. Errors of reading; kNotFound for an unknown clip, kInconsistent
-/// where no clip has a motion or a body does not fit.
+/// Sets of motions (role "motions", named after their source; role "evidence of SOURCE": evidence, by its recording;
+/// role "body": a skin) -> a folder with index.html, a page of the viewer, and, where options.page_bytes is exceeded,
+/// part_0000.js and so on, which belong into the folder `beside` the page. Clips are read one at a time. Errors of
+/// reading; kNotFound for an unknown clip, kInconsistent where no clip has a motion or a body does not fit.
 Expected<StageOutcome> ViewStage(const StageRequest& request);
 
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)

@@ -32,9 +32,32 @@ bool IsAsked(const Clip& clip, const ViewerOptions& options) {
                                               [&](const std::string& name) { return IsCalled(clip, name); });
 }
 
+/// The evidence of a clip's recording, brought into the clip's world.
+struct ClipEvidence {
+  std::optional<JointTracks> tracks;
+  std::vector<Camera> cameras;
+};
+
+/// Errors of reading. `files`: evidence by recording.
+Expected<ClipEvidence> EvidenceOf(const Clip& clip, const std::map<std::string, fs::path>& files) {
+  ClipEvidence seen;
+  const auto file = files.find(RecordingOf(clip.id()));
+  if (file == files.end()) return seen;
+  const auto recorded = ReadEvidence(file->second);
+  if (!recorded) return Forward(recorded);
+  const Evidence& evidence = recorded->evidence;
+  if (evidence.tracks) seen.tracks = TracksOfClip(clip, *evidence.tracks);
+  for (const DepthView& view : evidence.depth_views) seen.cameras.push_back(view.camera);
+  for (const KeypointView& view : evidence.keypoint_views) seen.cameras.push_back(view.camera);
+  for (Camera& camera : seen.cameras) {
+    camera.camera_from_world = camera.camera_from_world * Inverse(clip.canonical_from_source);
+  }
+  return seen;
+}
+
 /// Clips of a set, one at a time. `without`: clips that have no motion.
-Status AddSet(const StageInput& input, const ViewerOptions& options, const StageInput* body, ViewerData& data,
-              std::vector<std::string>& without) {
+Status AddSet(const StageInput& input, const ViewerOptions& options, const StageInput* body,
+              const std::map<std::string, fs::path>& evidence, ViewerData& data, std::vector<std::string>& without) {
   const auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kHashes);
   if (!clips) return Forward(clips);
   const auto outline = clips->Outline();
@@ -57,7 +80,10 @@ Status AddSet(const StageInput& input, const ViewerOptions& options, const Stage
       continue;
     }
     const auto part = parts.find(static_cast<int>(row));
-    const ViewedClip viewed{*clip, findings[clip->id()], part == parts.end() ? "" : part->second};
+    const auto seen = EvidenceOf(*clip, evidence);
+    if (!seen) return Forward(seen);
+    const ViewedClip viewed{*clip, findings[clip->id()], part == parts.end() ? "" : part->second,
+                            seen->tracks ? &*seen->tracks : nullptr, seen->cameras};
     if (Status added = data.Add(source, viewed); !added) return added;
   }
   return {};
@@ -77,7 +103,11 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
   std::vector<std::string> without;
   for (const StageInput& input : request.inputs) {
     if (input.role != "motions") continue;
-    if (Status added = AddSet(input, *options, body, data, without); !added) return Forward(added);
+    std::map<std::string, fs::path> evidence;
+    for (const StageInput& other : request.inputs) {
+      if (other.role == "evidence of " + input.name) evidence[other.name] = other.path;
+    }
+    if (Status added = AddSet(input, *options, body, evidence, data, without); !added) return Forward(added);
   }
   if (Status finished = data.Finish(); !finished) return Forward(finished);
   if (data.clips() == 0) {
@@ -88,9 +118,8 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
   }
   nlohmann::json index = data.Index();
   index["page"] = true;  // the address and keys of the browser's window are the viewer's
-  index["beside"] = options->beside;
-  index["id"] = options->beside;
   const bool whole = data.bytes() * 4 / 3 <= static_cast<std::size_t>(options->page_bytes);
+  if (!whole) index["beside"] = options->beside;
   std::vector<std::string> parts;
   for (int part = 0; part < data.parts(); ++part) {
     const fs::path file = request.output / PartName(part);

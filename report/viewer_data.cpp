@@ -124,9 +124,50 @@ void AppendWeights(const double* weights, std::size_t joints, std::string& bytes
   for (std::size_t k = 0; k < kWeights; ++k) bytes += static_cast<char>(strongest[k].second);
 }
 
+/// Eye and corners of a camera's view at 0.3 m, numbers in a row.
+nlohmann::json FrustumOf(const Camera& camera) {
+  constexpr double kDepth = 0.3;
+  const RigidTransform world_from_camera = Inverse(camera.camera_from_world);
+  nlohmann::json row = nlohmann::json::array();
+  const auto add = [&row](const Vector3d& place) {
+    for (int i = 0; i < 3; ++i) row.push_back(std::round(1e3 * place[i]) / 1e3);
+  };
+  add(camera.Centre());
+  for (const Vector2d& pixel :
+       {Vector2d(0.0, 0.0), Vector2d(camera.width - 1.0, 0.0), Vector2d(camera.width - 1.0, camera.height - 1.0),
+        Vector2d(0.0, camera.height - 1.0)}) {
+    add(world_from_camera * camera.Unproject(pixel, kDepth));
+  }
+  return row;
+}
+
 double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
 }  // namespace
+
+JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded) {
+  const int frames = clip.motion->frame_count(), points = recorded.positions.joints;
+  JointTracks tracks;
+  tracks.names = recorded.names;
+  tracks.positions = JointPositions(frames, points);
+  tracks.confidence.assign(static_cast<std::size_t>(frames) * points, 0.0);
+  if (recorded.time_s.empty()) return tracks;
+  const double begin = recorded.time_s.front() + BeginInRecording(clip), half = 0.5 / RecordedRate(clip).hz() + 1e-6;
+  for (int f = 0; f < frames; ++f) {
+    const double time = begin + clip.motion->rate.FrameTime(f);
+    auto next = std::lower_bound(recorded.time_s.begin(), recorded.time_s.end(), time);
+    if (next == recorded.time_s.end() || (next != recorded.time_s.begin() && time - *std::prev(next) < *next - time))
+      --next;
+    if (std::abs(*next - time) > half) continue;
+    const auto sample = static_cast<int>(next - recorded.time_s.begin());
+    for (int k = 0; k < points; ++k) {
+      tracks.positions.at(f, k) = clip.canonical_from_source * Vector3d(recorded.positions.at(sample, k));
+      tracks.confidence[static_cast<std::size_t>(f) * points + k] =
+          recorded.confidence[static_cast<std::size_t>(sample) * points + k];
+    }
+  }
+  return tracks;
+}
 
 void Append16(double value, std::string& bytes) {
   const std::uint16_t bits = Bits16(value);
@@ -247,6 +288,8 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
     }
     json["points"] = {{"names", viewed.tracks->names}, {"joints", joint_of_point}, {"lines", drawing.lines}};
   }
+  json["cameras"] = nlohmann::json::array();
+  for (const Camera& camera : viewed.cameras) json["cameras"].push_back(FrustumOf(camera));
   for (const Segment& segment : clip.segments) {
     json["segments"].push_back({segment.begin_s, segment.end_s, segment.label, segment.origin});
   }
@@ -280,17 +323,19 @@ std::string ViewerPage(const std::string& title, const nlohmann::json& index, co
   std::string html = PageHead(title, std::string(kPageStyle) + std::string(PageFile("viewer.css"))) +
                      "<body>\n<main id=\"viewer\" style=\"max-width: none\"></main>\n<noscript>" +
                      Paragraph("This page draws motions with JavaScript, which is switched off.") + "</noscript>\n";
-  for (std::size_t part = 0; part < parts.size(); ++part) {
+  html += "<script type=\"application/json\" id=\"viewer-index\">" + JsonForScript(index) + "</script>\n";
+  const auto add_part = [&](std::size_t part) {
     html +=
         "<script type=\"text/plain\" id=\"mocurate-part-" + std::to_string(part) + "\">" + parts[part] + "</script>\n";
-  }
-  html += "<script type=\"application/json\" id=\"viewer-index\">" + JsonForScript(index) + "</script>\n";
+  };
+  if (!parts.empty()) add_part(0);  // the first clip is drawn while the browser reads the others
   for (const char* script :
        {"three.min.js", "data.js", "figures.js", "stages.js", "timeline.js", "viewer.js", "open.js"}) {
     html += "<script>";
     html += PageFile(script);
     html += "</script>\n";
   }
+  for (std::size_t part = 1; part < parts.size(); ++part) add_part(part);
   return html + "</body>\n</html>\n";
 }
 

@@ -22,7 +22,12 @@ struct ViewedClip {
   std::vector<Finding> findings{};
   std::string part{};                   ///< of the first split: "train", "validation", "test"; or empty
   const JointTracks* tracks = nullptr;  ///< observed points in the motion's world, one sample a frame
+  std::vector<Camera> cameras{};        ///< in the motion's world
 };
+
+/// The tracks of a recording as they were observed at the frames of a clip of it, in the clip's world: of each frame
+/// the sample nearest in time, none where it is more than half a frame away.
+JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded);
 
 /// Packs motions for the viewer: an index (JSON) and parts of some megabytes, each of whole clips, which the page
 /// decodes when they are shown. Of a clip of F frames, J joints and K tracked points, little-endian, each array padded

@@ -1,8 +1,10 @@
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
 #include "core/base/log.h"
+#include "core/base/pi.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "job/config_loading.h"
@@ -18,8 +20,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Degrees of "front", "side", "three-quarter" or "AZIMUTH,ELEVATION". Error kUsage.
+Expected<std::pair<double, double>> PictureViewOf(const std::string& text) {
+  if (text == "front") return std::pair(0.0, 0.0);
+  if (text == "side") return std::pair(90.0, 0.0);
+  if (text == "three-quarter") return std::pair(45.0, 0.0);
+  const std::size_t comma = text.find(',');
+  const auto azimuth = ParseDouble(std::string_view(text).substr(0, comma));
+  const auto elevation =
+      comma == std::string::npos ? std::nullopt : ParseDouble(std::string_view(text).substr(comma + 1));
+  if (!azimuth || !elevation || std::abs(*azimuth) > 360.0 || std::abs(*elevation) > 90.0) {
+    return Fail(ErrorCode::kUsage, "'" + text + "' is no view", "--view",
+                "give front, side, three-quarter, or degrees from the front and above the horizon: --view 30,15");
+  }
+  return std::pair(*azimuth, *elevation);
+}
+
 Expected<MotionPictureOptions> PictureOf(const DrawArguments& arguments) {
+  const auto view = PictureViewOf(arguments.view);
+  if (!view) return Forward(view);
   nlohmann::json json = OptionsToJson(MotionPictureOptions());
+  json["azimuth"] = view->first * kPi / 180.0;
+  json["elevation"] = view->second * kPi / 180.0;
   json["title"] = arguments.title;
   json["labels"] = arguments.labels;
   json["clips"] = arguments.clips;

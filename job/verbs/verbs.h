@@ -125,14 +125,15 @@ struct GenerateArguments {
 };
 
 struct DrawArguments {
-  std::vector<std::string> motions;  ///< files or folders; NAME=PATH names the row
-  std::string source;                ///< source declaration of them, or empty
-  std::vector<std::string> labels;   ///< classes to show; empty: all
-  std::vector<std::string> clips;    ///< ids or their ends, instead of labels
-  int samples = 1;                   ///< of each label and set
-  int stills = 10;                   ///< frames of a row
-  std::string figure = "bones";      ///< bones, capsules, skin
-  std::filesystem::path body;        ///< of a skin; empty: the one that losses on vertices use
+  std::vector<std::string> motions;    ///< files or folders; NAME=PATH names the row
+  std::string source;                  ///< source declaration of them, or empty
+  std::vector<std::string> labels;     ///< classes to show; empty: all
+  std::vector<std::string> clips;      ///< ids or their ends, instead of labels
+  int samples = 1;                     ///< of each label and set
+  int stills = 10;                     ///< frames of a row
+  std::string figure = "bones";        ///< bones, capsules, skin
+  std::string view = "three-quarter";  ///< or front, side, "AZIMUTH,ELEVATION" in degrees
+  std::filesystem::path body;          ///< of a skin; empty: the one that losses on vertices use
   std::string title;
   double scale = 2.0;                 ///< pixels of a PNG or video for each unit of the drawing
   std::filesystem::path output;       ///< .svg, .png or .mp4

@@ -9,6 +9,8 @@
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "core/pipeline/runner.h"
+#include "ingest/stages.h"
 #include "job/config_loading.h"
 #include "job/motion_files.h"
 #include "job/run_and_capture.h"
@@ -37,6 +39,18 @@ Expected<fs::path> MotionsOf(const fs::path& path) {
                 "go on with `mocurate run`, at least --to assemble");
   }
   return dataset;
+}
+
+/// Evidence of a run's recordings as inputs, where the cache still has it.
+std::vector<StageInput> EvidenceOfRun(const fs::path& run, const std::string& source) {
+  std::vector<StageInput> inputs;
+  const Cache cache(DefaultCacheFolder());
+  for (const auto& [item, entry] : JournalOf(run, IngestDeclaration().name)) {
+    const auto found = cache.Find(entry.value("key", ""));
+    if (found && !found->artifact.empty())
+      inputs.push_back({"evidence of " + source, item, found->artifact, found->sha256});
+  }
+  return inputs;
 }
 
 /// The body of skins: the given one, else body_cc0.h5 where it is found. Pages are passed on: a body that may not be,
@@ -113,6 +127,8 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
         MotionsInput(named.name, files, {}, "declare them with --source FILE (docs/adding_a_source.md)", **stages);
     if (!motions) return Forward(motions);
     item.inputs.push_back(std::move(*motions));
+    if (*path == named.path) continue;
+    for (StageInput& evidence : EvidenceOfRun(named.path, named.name)) item.inputs.push_back(std::move(evidence));
   }
   if (const fs::path body = PassableBody(arguments.body); !body.empty()) {
     item.inputs.push_back({"body", body.filename().string(), body, ""});

@@ -35,15 +35,15 @@ const mocurateParts = (() => {
 
   /// A promise of the bytes of a part.
   const read = (index, part) => {
-    const key = index.id + '/' + part;
+    const key = (index.beside || '') + '/' + part;
     if (decoded.has(key)) return Promise.resolve(keep(key, decoded.get(key)));
-    const inline = document.getElementById('mocurate-part-' + part);
-    if (inline) {
-      try {
-        return Promise.resolve(keep(key, bytesOf(inline.textContent)));
-      } catch (e) {
-        return Promise.reject(new Error('part ' + part + ' of this page is damaged: write the page again.'));
-      }
+    if (!index.beside) {
+      const inline = () => document.getElementById('mocurate-part-' + part);
+      const loaded = document.readyState !== 'loading' || inline() && inline().nextElementSibling ? Promise.resolve() :
+        new Promise(resolve => document.addEventListener('DOMContentLoaded', resolve));
+      return loaded.then(() => keep(key, bytesOf(inline().textContent))).catch(() => {
+        throw new Error('part ' + part + ' of this page is missing or damaged: write the page again.');
+      });
     }
     const file = index.beside + '/part_' + String(part).padStart(4, '0') + '.js';
     const earlier = waiting.get(key);

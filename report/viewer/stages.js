@@ -26,12 +26,12 @@ const mocurateStages = (() => {
   };
 
   const webgl = canvas => {
-    const context = canvas.getContext('webgl2', {antialias: true, preserveDrawingBuffer: true}) ||
-      canvas.getContext('webgl', {antialias: true, preserveDrawingBuffer: true});
+    const context = canvas.getContext('webgl2', {antialias: true}) ||
+      canvas.getContext('webgl', {antialias: true});
     if (!context || typeof THREE === 'undefined') return null;
-    const renderer = new THREE.WebGLRenderer({canvas, context, antialias: true, preserveDrawingBuffer: true});
+    const renderer = new THREE.WebGLRenderer({canvas, context, antialias: true});
     renderer.shadowMap.enabled = true;
-    renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    renderer.shadowMap.type = THREE.PCFShadowMap;
     const world = new THREE.Scene(), view = new THREE.PerspectiveCamera(35, 1, 0.05, 200);
     world.add(new THREE.HemisphereLight(0xffffff, 0x8a8f98, 0.75));
     const sun = new THREE.DirectionalLight(0xffffff, 0.55);
@@ -53,7 +53,7 @@ const mocurateStages = (() => {
       for (const [name, array] of [['position', figure.positions], ['normal', figure.normals],
         ['color', new Float32Array(figure.positions.length)]]) geometry.setAttribute(name, new THREE.BufferAttribute(array, 3));
       geometry.setIndex(new THREE.BufferAttribute(figure.index, 1));
-      const material = new THREE.MeshStandardMaterial({vertexColors: THREE.VertexColors, roughness: 0.75, metalness: 0});
+      const material = new THREE.MeshLambertMaterial({vertexColors: THREE.VertexColors});
       const mesh = new THREE.Mesh(geometry, material);
       mesh.castShadow = true;
       mesh.frustumCulled = false;
@@ -78,7 +78,7 @@ const mocurateStages = (() => {
       if (!object) {
         const geometry = new THREE.BufferGeometry();
         geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(line.places.length), 3));
-        object = line.dots ? new THREE.Points(geometry, new THREE.PointsMaterial({size: line.dots, sizeAttenuation: true})) :
+        object = line.dots ? new THREE.Points(geometry, new THREE.PointsMaterial({size: line.dots, sizeAttenuation: true, depthTest: false, transparent: true})) :
           new THREE[line.strip ? 'Line' : 'LineSegments'](geometry, new THREE.LineBasicMaterial());
         object.frustumCulled = false;
         world.add(object);

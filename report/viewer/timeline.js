@@ -104,7 +104,7 @@ const mocurateTimeline = (() => {
       pen.fillStyle = style('--soft');
       const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 120, 300, 600].find(s => x(s) - x(0) > 46) || 1200;
       for (let t = 0; t <= length + 1e-9; t += step) {
-        pen.fillText((Math.round(t * 10) / 10) + ' s', x(t), 7);
+        if (x(t) < w - 30) pen.fillText((Math.round(t * 10) / 10) + ' s', x(t), 7);
         pen.fillStyle = style('--grid');
         pen.fillRect(x(t), TOP - 2, 1, height);
         pen.fillStyle = style('--soft');

@@ -50,7 +50,7 @@ const mocurateViewer = (() => {
     }
     const groups = groupsOf(index), several = index.sources.length > 1;
     const state = {group: null, shown: [], time: 0, playing: false, speed: 1, loop: true, figure: 'body', colour: 'sides',
-      layout: 'beside', align: 'world', path: true, points: true, follow: false, hidden: new Set(), stage: ''};
+      layout: 'beside', align: 'world', path: true, points: true, cameras: true, follow: false, hidden: new Set(), stage: ''};
     const camera = {yaw: 0.6, pitch: 0.2, distance: 4, target: [0, 1, 0]};
     let scene = null, length = 0, last = 0, turned = 0;
 
@@ -87,9 +87,10 @@ const mocurateViewer = (() => {
         option('Aligned', 'align', [['world', 'in the world'], ['root', 'at the root']], relay)] : []),
       tick('Path', 'path', 'p', () => show(state.time)),
       ...(index.clips.some(clip => clip.points) ? [tick('Tracked points', 'points', 't', () => show(state.time))] : []),
+      ...(index.clips.some(clip => clip.cameras.length > 0) ? [tick('Cameras', 'cameras', 'v', () => show(state.time))] : []),
       tick('Follow', 'follow', 'f', () => show(state.time)));
     const views = make('div', {class: 'views', role: 'group', 'aria-label': 'Views'}, ...VIEWS.map(([name, yaw, pitch], i) =>
-      button(name, () => lookFrom(yaw, pitch), {'data-view': name, title: 'key ' + (i + 1)})), button('Fit', () => fit(), {title: 'key 0'}));
+      button(name, () => lookFrom(yaw, pitch), {'data-view': name, title: 'key ' + (i + 1)})), button('Fit', () => { fit(); show(state.time); }, {title: 'key 0'}));
     const tools = make('div', {class: 'tools', role: 'group', 'aria-label': 'Tools'},
       button('Picture', () => save(), {'data-do': 'picture', title: 'save a PNG'}),
       ...(typeof MediaRecorder === 'undefined' || !canvas.captureStream ? [] :
@@ -98,7 +99,7 @@ const mocurateViewer = (() => {
       button('Keys', () => { keys.open = !keys.open; }, {'data-do': 'keys', title: 'key ?'}));
     const keys = make('details', {class: 'keys'}, make('summary', {}, 'Keys'), make('p', {}, 'space: play · ← →: a frame, with ' +
       'shift: turn · Home, End: first and last frame · n, b: next and previous clip · 1 to 5: views, 0: whole motion · g: figure · c: ' +
-      'colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · f: follow · l: loop · + −: speed · /: search'));
+      'colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · v: cameras · f: follow · l: loop · + −: speed · /: search'));
 
     // The list.
     const search = make('input', {type: 'search', placeholder: 'Search clips', 'aria-label': 'Search clips', oninput: () => list()});
@@ -188,9 +189,8 @@ const mocurateViewer = (() => {
       camera.target = scene.centre.slice();
       const wide = Math.min(1, canvas.clientWidth / Math.max(1, canvas.clientHeight));
       camera.distance = 0.9 * scene.radius / Math.sin(mocurateStages.FIELD / 2) / wide;
-      show(state.time);
     };
-    const lookFrom = (yaw, pitch) => { camera.yaw = turned + yaw; camera.pitch = pitch; fit(); };
+    const lookFrom = (yaw, pitch) => { camera.yaw = turned + yaw; camera.pitch = pitch; fit(); show(state.time); };
 
     const stage = mocurateStages.make(canvas);
     state.stage = stage.kind;
@@ -216,6 +216,11 @@ const mocurateViewer = (() => {
         bodiesShown.push({key: entry.source + '', figure: entry.figure, colours: entry.colours, shift, joints: entry.joints,
           parents: motion.skeleton.parents, opacity: several && state.layout === 'over' && entry !== target ? 0.75 : 1});
         if (state.path) lines.push({key: 'path' + entry.source, strip: true, places: moved(entry.path, shift), colour: hex(HUES[entry.source % HUES.length])});
+        if (state.cameras) entry.motion.clip.cameras.forEach((corners, i) => {
+          const ends = [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]].flat();
+          lines.push({key: 'camera' + entry.source + '/' + i, colour: style('--soft'),
+            places: moved(ends.flatMap(end => corners.slice(3 * end, 3 * end + 3)), shift)});
+        });
         if (state.points && motion.hasPoints) {
           motion.points(frame, entry.points);
           const seen = [];
@@ -305,6 +310,7 @@ const mocurateViewer = (() => {
         fit();
         show(seconds);
         remember();
+        if (!root.dataset.clip) performance.mark('first picture');
         root.dataset.clip = group.first.id;
       }).catch(problem => { if (now === asked) say(problem.message); });
     };
@@ -408,8 +414,8 @@ const mocurateViewer = (() => {
     };
     const frames = by => { play(false); show((Math.round(state.time * rate()) + by) / rate()); remember(); };
     const actions = {' ': () => play(!state.playing), ArrowLeft: () => frames(-1), ArrowRight: () => frames(1), Home: () => frames(-1e9),
-      End: () => frames(1e9), n: () => neighbour(1), b: () => neighbour(-1), 0: fit, g: () => cycle('figure'), c: () => cycle('colour'),
-      o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'),
+      End: () => frames(1e9), n: () => neighbour(1), b: () => neighbour(-1), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
+      o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'),
       l: () => { state.loop = !state.loop; say(state.loop ? 'The motion repeats.' : 'The motion ends.'); },
       '+': () => faster(1), '-': () => faster(-1), '/': () => search.focus(), '?': () => { keys.open = !keys.open; }};
     VIEWS.forEach(([, yaw, pitch], i) => { actions[i + 1] = () => lookFrom(yaw, pitch); });
@@ -433,7 +439,7 @@ const mocurateViewer = (() => {
         make('div', {class: 'controls'}, playButton, slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
     list();
     lasting = stage.kind === 'canvas' ? 'This browser has no WebGL: motions are drawn as bones.' : '';
-    new ResizeObserver(() => { timeline.draw(); show(state.time); }).observe(canvas);
+    new ResizeObserver(() => requestAnimationFrame(() => { timeline.draw(); show(state.time); })).observe(canvas);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { timeline.draw(); show(state.time); });
 
     const wanted = () => {

@@ -49,13 +49,14 @@ def body():
     return driver.find_element(By.TAG_NAME, "body")
 
 
-# Pixels that are neither of the two most frequent colours (background, floor), of the canvas: a person and its shadow.
+# Pixels of the canvas with a strong colour: a person.
 PIXELS = """
+theViewer.seek(theViewer.state.time);  // a drawing lasts until this script ends
 const canvas = document.querySelector('.stage > canvas[tabindex]'), copy = document.createElement('canvas');
 copy.width = canvas.width; copy.height = canvas.height;
 const pen = copy.getContext('2d');
 pen.drawImage(canvas, 0, 0);
-const all = pen.getImageData(0, 0, copy.width, copy.height).data, counts = {};
+const all = pen.getImageData(0, 0, copy.width, copy.height).data;
 let coloured = 0;
 for (let i = 0; i < all.length; i += 4)
   if (Math.max(all[i], all[i + 1], all[i + 2]) - Math.min(all[i], all[i + 1], all[i + 2]) > 60) ++coloured;

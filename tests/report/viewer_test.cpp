@@ -119,11 +119,36 @@ TEST(ViewerData, MissingJointsAreGapsAndFarOnesWidenTheStep) {
   EXPECT_NEAR(places[3 * (18 + 5) + 2] * 7e-4, 20.0, 4e-4);
 }
 
+TEST(ViewerData, TracksOfARecordingAreBroughtToTheFramesAndTheWorldOfAClip) {
+  JointTracks recorded;  // 30 Hz from 5 s on, one sample missing; the point moves 1 m/s along x
+  recorded.names = {"left_knee"};
+  for (int i = 0; i < 90; ++i) {
+    if (i != 64) recorded.time_s.push_back(5.0 + i / 30.0);
+  }
+  recorded.positions = JointPositions(89, 1);
+  for (int i = 0; i < 89; ++i) recorded.positions.at(i, 0) = Vector3d(recorded.time_s[i] - 5.0, 1.0, 0.0);
+  recorded.confidence.assign(89, 0.5);
+  Clip clip = ClipOf("a", "r", Stepping(Walker(), 10));
+  clip.identity.begin_frame = 60;
+  clip.identity.end_frame = 80;
+  clip.motion->rate = clip.rate = FrameRate{15, 1};
+  clip.provenance[kRecordedRate] = "30";
+  clip.canonical_from_source = {ExpQuaternion(Vector3d(0.0, kPi / 2.0, 0.0)), Vector3d(0.0, 0.0, 4.0)};
+  const JointTracks tracks = TracksOfClip(clip, recorded);
+  ASSERT_EQ(tracks.positions.frames, 10);
+  for (int f = 0; f < 10; ++f) {
+    EXPECT_EQ(tracks.confidence[f], f == 2 ? 0.0 : 0.5) << "sample 64 is missing";
+    if (f == 2) continue;
+    EXPECT_LT((tracks.positions.at(f, 0) - Vector3d(0.0, 1.0, 4.0 - (60 + 2 * f) / 30.0)).norm(), 1e-9);
+  }
+}
+
 /// Datasets, and the page that the stage makes of them.
 struct Viewed {
   ScratchFolder folder;
   ViewerOptions options;
   std::vector<Dataset> sets = std::vector<Dataset>(2);
+  bool with_evidence = false;
 
   Viewed() {
     for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -151,10 +176,22 @@ struct Viewed {
       EXPECT_TRUE(WriteDataset(sets[s], folder / (name + ".h5")));
       request.inputs.push_back({"motions", name + " <u>", folder / (name + ".h5"), ""});
     }
+    if (with_evidence) request.inputs.push_back(EvidenceOfFirst());
     return ViewStage(request);
   }
 
   std::string Html() const { return ReadFile(folder / "page/index.html").value_or(""); }
+
+  /// The first clip's recording, observed by a tracker and a camera, as the stage's input.
+  StageInput EvidenceOfFirst() const {
+    Clip recorded = sets[0].clips[0];
+    recorded.evidence.tracks = NoisyTracks(*recorded.motion);
+    recorded.evidence.depth_views.resize(1);
+    recorded.evidence.depth_views[0].camera = FrontCamera();
+    recorded.motion.reset();
+    EXPECT_TRUE(WriteEvidence(recorded, folder / "evidence.h5"));
+    return {"evidence of set0 <u>", RecordingOf(sets[0].clips[0].id()), folder / "evidence.h5", ""};
+  }
 
   /// What tests/report/drive_viewer.py saw.
   nlohmann::json Drive(const std::string& how, const std::vector<std::string>& pages = {"page"}) const {
@@ -194,9 +231,25 @@ TEST(Viewer, ClipsAreChosenAndWhatShowsNothingIsRefused) {
   EXPECT_EQ(viewed.Make().error().code, ErrorCode::kInconsistent);
 }
 
+TEST(Viewer, EvidenceOfARunStandsBesideItsMotion) {
+  Viewed viewed;
+  viewed.with_evidence = true;
+  const auto made = viewed.Make();
+  ASSERT_TRUE(made) << made.error().Message();
+  const std::string page = viewed.Html(), begin = "id=\"viewer-index\">";
+  const std::size_t at = page.find(begin) + begin.size();
+  const nlohmann::json index = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+  const nlohmann::json& first = index["clips"][0];
+  EXPECT_EQ(first["points"]["joints"].size(), first["points"]["names"].size());
+  EXPECT_EQ(first["cameras"].size(), 1U);
+  EXPECT_EQ(first["cameras"][0].size(), 15U);
+  EXPECT_FALSE(index["clips"][1].contains("points"));
+}
+
 TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
   Viewed viewed;
+  viewed.with_evidence = true;
   ASSERT_TRUE(viewed.Make());
   const nlohmann::json seen = viewed.Drive("whole");
   ASSERT_TRUE(seen.is_object());
@@ -206,6 +259,7 @@ TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   EXPECT_EQ(seen["nameless"], nlohmann::json::array()) << "controls without a name, or out of reach of the keyboard";
   EXPECT_EQ(seen["clip"], "raw/p1/r0#0-40");
   EXPECT_THAT(seen["rows"].get<std::string>(), HasSubstr("segments"));
+  EXPECT_THAT(seen["rows"].get<std::string>(), HasSubstr("residual"));
   EXPECT_EQ(seen["after_right"], "0.033");
   EXPECT_EQ(seen["after_end"], "1.300");
   EXPECT_EQ(seen["playing"], "true");
