@@ -37,8 +37,9 @@ struct JobResult {
   /// Clips with a finding of severity warning or error from ingest, fitting or canon, by its code.
   std::map<std::string, int> findings;
   std::vector<Finding> set_findings;  ///< about the set as a whole: contradicted declarations, splits, rates
-  nlohmann::json pages = nlohmann::json::object();  ///< pages of clips, by item
-  std::optional<Error> unevaluated;                 ///< why there is no table, although networks were to be scored
+  nlohmann::json pages = nlohmann::json::object();    ///< pages of clips, by item
+  nlohmann::json viewers = nlohmann::json::object();  ///< pages of the viewer: "clips", "generated"
+  std::optional<Error> unevaluated;                   ///< why there is no table, although networks were to be scored
   std::vector<StageCounts> stages;
   std::vector<ClipRecord> clips;
   std::map<std::string, ItemResult> bodies;  ///< of the stage proportions, by item

@@ -13,6 +13,7 @@
 #include "ingest/formats/driver.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
+#include "job/viewer_files.h"
 #include "report/stages.h"
 #include "train/options.h"
 #include "train/stages.h"
@@ -20,7 +21,10 @@
 namespace mocurate {
 namespace {
 
+constexpr const char* kViewerPage = "viewer.html";
+constexpr const char* kGeneratedPage = "generated.html";
 constexpr int kDrawnFits = 5;        // best, worst and evenly between
+constexpr int kSamples = 3;          // generated of each class
 constexpr double kLongVideos = 5.0;  // seconds from which the time of videos is logged
 
 /// The clips drawn in a report: best, worst and evenly between by residual, `count` in all.
@@ -111,6 +115,7 @@ nlohmann::json RunSummary(const ReportedRun& reported, const JobResult& result) 
                         {"unevaluated", nullptr},
                         {"fit_error", result.fit_error},
                         {"pages", result.pages},
+                        {"viewers", result.viewers},
                         {"table", TableTexts(result.table)},
                         {"recognition", TableTexts(result.recognition)},
                         {"findings", result.set_findings},
@@ -205,7 +210,7 @@ Expected<std::vector<MotionRequest>> ContinuedSamples(const ItemResult& dataset)
   return requests;
 }
 
-/// Adds a motion of each class by the first seed of each generator, as inputs "generated" of the report. A failure only
+/// Adds motions of each class by the first seed of each generator, as inputs "generated" of the report. A failure only
 /// removes its strips.
 Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
   const TemporaryFolder scratch;
@@ -227,11 +232,11 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
       requests = std::move(*asked);
     }
     const int classes = result.training.at(network.checkpoint.name).at("classes").get<int>();
-    for (int label = 0; !continues && label < classes; ++label) {
+    for (int i = 0; !continues && i < kSamples * classes; ++i) {
       MotionRequest request;
-      request.label = label;
+      request.label = i % classes;
       request.frames = static_cast<int>(options.data.frames);
-      request.seed = static_cast<std::uint64_t>(label) + 1;
+      request.seed = static_cast<std::uint64_t>(i) + 1;
       requests.push_back(std::move(request));
     }
     const auto file = scratch.path() / ("requests_" + std::to_string(network.network) + ".json");
@@ -254,6 +259,49 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
     report.inputs.push_back(InputFrom("generated", motions->items[i]));
     report.inputs.back().name = names[i];
   }
+  return {};
+}
+
+/// A page of the viewer beside the report.
+Status WriteViewer(ItemSpec item, ViewerOptions options, const std::filesystem::path& page, StageRuns& runs) {
+  options.beside = FolderBeside(page);
+  options.skin_if_it_fits = true;
+  item.options = OptionsToJson(options);
+  if (const auto body = PassableBody(); !body.empty())
+    item.inputs.push_back({"body", body.filename().string(), body, ""});
+  const auto made = runs.One(ViewDeclaration(), std::move(item));
+  if (!made) return Forward(made);
+  return made->artifact.empty() ? Status() : CopyViewer(*made, page);
+}
+
+/// Pages with all clips of the dataset and their evidence, and with the motions of `generated` beside real ones.
+Status WriteViewers(const ReportedRun& run, const std::vector<StageInput>& generated, StageRuns& runs,
+                    const std::filesystem::path& folder, JobResult& result) {
+  StageInput dataset = InputFrom("motions", run.dataset);
+  dataset.name = "dataset";
+  ItemSpec all{"viewer", {}, {dataset}};
+  for (const ClipRecord& clip : run.clips) {
+    if (!clip.kept()) continue;
+    all.inputs.push_back(InputFrom("evidence of dataset", clip.evidence));
+  }
+  ViewerOptions options;
+  options.title = run.options.name;
+  if (Status written = WriteViewer(std::move(all), options, folder / "report" / kViewerPage, runs); !written)
+    return written;
+  result.viewers["clips"] = kViewerPage;
+  if (generated.empty()) return {};
+  dataset.name = "Real";
+  ItemSpec beside{"generated_viewer", {}, {dataset}};
+  for (StageInput motions : generated) {
+    motions.role = "motions";
+    beside.inputs.push_back(std::move(motions));
+  }
+  options.title = run.options.name + ": generated motions";
+  options.per_label = kSamples;
+  if (Status written = WriteViewer(std::move(beside), options, folder / "report" / kGeneratedPage, runs); !written) {
+    return written;
+  }
+  result.viewers["generated"] = kGeneratedPage;
   return {};
 }
 
@@ -290,6 +338,14 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
     AddDrawing(*clip, run.fits, item);
   }
   if (Status generated = AddGenerated(run, runs, item, result); !generated) return generated;
+  if (run.options.report.viewer) {
+    std::vector<StageInput> generated;
+    std::copy_if(item.inputs.begin(), item.inputs.end(), std::back_inserter(generated),
+                 [](const StageInput& given) { return given.role == "generated"; });
+    const Status viewed = WriteViewers(run, generated, runs, folder, result);
+    if (!viewed && viewed.error().code == ErrorCode::kInterrupted) return viewed;
+    if (!viewed) LogWarning("the report has no page of the viewer: " + viewed.error().Message());
+  }
   if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
   const auto page = runs.One(ReportDeclaration(), std::move(item));
   if (!page) return Forward(page);

@@ -27,17 +27,30 @@ struct Output {
   std::string_view name;
 };
 
-constexpr Output kOutputs[] = {
-    {JobStage::kCanon, "", "curation_log.jsonl"},     {JobStage::kAssemble, "", "dataset.h5"},
-    {JobStage::kAssemble, "", kSetFindings},          {JobStage::kTable, "", "metrics.json"},
-    {JobStage::kTable, "tables", "table.md"},         {JobStage::kTable, "tables", "table.csv"},
-    {JobStage::kTable, "tables", "table.tex"},        {JobStage::kTable, "tables", "table.json"},
-    {JobStage::kTable, "tables", "learning.svg"},     {JobStage::kTable, "tables", "recognition.md"},
-    {JobStage::kTable, "tables", "recognition.csv"},  {JobStage::kTable, "tables", "recognition.tex"},
-    {JobStage::kTable, "tables", "recognition.json"}, {JobStage::kReport, "", "report_input.json"},
-    {JobStage::kReport, "report", "index.html"},      {JobStage::kReport, "report", "clip_*.html"},
-    {JobStage::kReport, "report", "clip_*.mp4"},      {JobStage::kReport, "report", "clip.png"},
-    {JobStage::kReport, "report", "overlay.png"},     {JobStage::kReport, "report", "cloud.png"}};
+constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
+                               {JobStage::kAssemble, "", "dataset.h5"},
+                               {JobStage::kAssemble, "", kSetFindings},
+                               {JobStage::kTable, "", "metrics.json"},
+                               {JobStage::kTable, "tables", "table.md"},
+                               {JobStage::kTable, "tables", "table.csv"},
+                               {JobStage::kTable, "tables", "table.tex"},
+                               {JobStage::kTable, "tables", "table.json"},
+                               {JobStage::kTable, "tables", "learning.svg"},
+                               {JobStage::kTable, "tables", "recognition.md"},
+                               {JobStage::kTable, "tables", "recognition.csv"},
+                               {JobStage::kTable, "tables", "recognition.tex"},
+                               {JobStage::kTable, "tables", "recognition.json"},
+                               {JobStage::kReport, "", "report_input.json"},
+                               {JobStage::kReport, "report", "index.html"},
+                               {JobStage::kReport, "report", "viewer.html"},
+                               {JobStage::kReport, "report", "generated.html"},
+                               {JobStage::kReport, "report/viewer_files", "part_*.js"},
+                               {JobStage::kReport, "report/generated_files", "part_*.js"},
+                               {JobStage::kReport, "report", "clip_*.html"},
+                               {JobStage::kReport, "report", "clip_*.mp4"},
+                               {JobStage::kReport, "report", "clip.png"},
+                               {JobStage::kReport, "report", "overlay.png"},
+                               {JobStage::kReport, "report", "cloud.png"}};
 
 constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", kProgressFile, "run.json"};
 

@@ -13,6 +13,9 @@ std::string EscapeHtml(std::string_view text);
 /// JSON safe inside <script type="application/json">: it contains no "</" and no "<!--".
 std::string JsonForScript(const nlohmann::json& json);
 
+/// Text as part of an address: all but letters, digits and -._~ as %41.
+std::string PercentEncoded(std::string_view text);
+
 std::string Base64(const std::string& bytes);
 
 /// Fixed digits with a point in any locale; an en dash for non-finite values.

@@ -1,6 +1,9 @@
 #include "report/page.h"
 
+#include <algorithm>
+
 #include "report/html.h"
+#include "report/page_files.h"
 #include "report/page_scripts.h"
 #include "report/run_facts.h"
 
@@ -30,15 +33,39 @@ constexpr PageSection kSections[] = {{"funnel", "Clips, from read to kept", Funn
 
 }  // namespace
 
+std::string ViewerLink(const ReportInput& input, const std::string& name, int frame, const std::string& text) {
+  const std::string page = TextOf(Field(input.run, "viewers"), "clips");
+  const Clip* found = nullptr;  // that id, else of the recording the clip with the frame, else its first
+  bool own_frames = false;
+  if (!page.empty() && input.dataset) {
+    for (const Clip& clip : input.dataset->clips) {
+      const std::string id = clip.id();
+      own_frames = id == name;
+      if (!own_frames && RecordingOf(id) != name) continue;
+      const bool has_frame = frame >= clip.identity.begin_frame && frame < clip.identity.end_frame;
+      if (found == nullptr || own_frames || has_frame) found = &clip;
+      if (own_frames || has_frame) break;
+    }
+  }
+  if (found == nullptr) return EscapeHtml(text);
+  const double time = own_frames ? frame / found->rate.hz()
+                                 : std::max(0.0, frame / RecordedRate(*found).hz() - BeginInRecording(*found));
+  return "<a href=\"" + EscapeHtml(page + "#clip=" + PercentEncoded(found->id()) + "&t=" + FixedText(time, 3)) + "\">" +
+         EscapeHtml(text) + "</a>";
+}
+
 std::string MakePage(const ReportInput& input) {
   std::string html = PageHead(TextOf(input.run, "name") + " - mocurate report", kPageStyle) +
                      "<body>\n"
                      "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n<header>\n" +
-                     HeadHtml(input) + "<nav aria-label=\"Sections\"><ol>\n";
+                     HeadHtml(input) + "</header>\n<nav aria-label=\"Sections\"><ol>\n";
   for (const PageSection& section : kSections) {
     html += "<li><a href=\"#" + std::string(section.id) + "\">" + section.title + "</a></li>\n";
   }
-  html += "</ol></nav>\n</header>\n<main id=\"main\">\n";
+  const std::string viewer = TextOf(Field(input.run, "viewers"), "clips");
+  if (!viewer.empty())
+    html += "<li><a href=\"" + EscapeHtml(viewer) + "\"><strong>All clips in 3-D</strong></a></li>\n";
+  html += "</ol></nav>\n<main id=\"main\">\n";
   for (const PageSection& section : kSections) {
     const std::string id = section.id;
     html += "<section id=\"" + id + "\" aria-labelledby=\"" + id + "-title\">\n<h2 id=\"" + id + "-title\">" +
@@ -49,7 +76,8 @@ std::string MakePage(const ReportInput& input) {
   if (const std::string takes = TextOf(input.run, "takes"); !takes.empty())
     html += Paragraph("This run uses " + EscapeHtml(takes) + ".");
   return html + "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(PlayersJson(input)) +
-         "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";
+         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + std::string(PageFile("tables.js")) +
+         "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace mocurate

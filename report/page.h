@@ -39,6 +39,10 @@ std::string CurvesHtml(const ReportInput& input);       ///< loss curves
 std::string StopsHtml(const ReportInput& input);        ///< where training was stopped
 std::string ReadingHtml(const ReportInput& input);      ///< how to read the page
 
+/// Link to a clip in the viewer beside the page, by its id at one of its frames, or by its recording at one of that;
+/// the escaped text alone where there is no viewer or no such clip.
+std::string ViewerLink(const ReportInput& input, const std::string& name, int frame, const std::string& text);
+
 /// The players' data, in the order of the players of FilmstripsHtml.
 nlohmann::json PlayersJson(const ReportInput& input);
 

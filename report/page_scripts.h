@@ -24,7 +24,10 @@ p { margin: 0 0 10px; max-width: 78ch; } a { color: var(--after); }
 .lead { font-size: 17px; color: var(--soft); } .verdict { font-size: 18px; margin-top: 16px; font-weight: 600; }
 .soft { color: var(--soft); font-size: 14px; }
 section { background: var(--card); border: 1px solid var(--rule); border-radius: 10px; padding: 20px 24px; margin: 20px 0; }
-nav ol { list-style: none; display: flex; flex-wrap: wrap; gap: 4px 18px; padding: 0; margin: 16px 0 0; font-size: 14px; }
+nav { position: sticky; top: 0; z-index: 2; background: var(--page); border-bottom: 1px solid var(--rule); padding: 0 0 8px; }
+section { scroll-margin-top: 72px; }
+nav ol { max-width: 1080px; margin: 0 auto; padding: 0 24px;
+  list-style: none; display: flex; flex-wrap: wrap; gap: 2px 18px; padding-top: 8px; font-size: 14px; }
 dt { font-weight: 600; } dd { margin: 0 0 8px; max-width: 78ch; } #reading dl { margin: 0; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 12px; margin: 20px 0 4px; padding: 0; }
 .tiles div { background: var(--card); border: 1px solid var(--rule); border-radius: 10px; padding: 12px 16px; }
@@ -34,6 +37,10 @@ dt { font-weight: 600; } dd { margin: 0 0 8px; max-width: 78ch; } #reading dl { 
 table { border-collapse: collapse; font-size: 14px; min-width: min(420px, 100%); } caption { text-align: left; color: var(--soft); padding-bottom: 6px; }
 th, td { padding: 5px 14px 5px 0; border-bottom: 1px solid var(--rule); text-align: left; vertical-align: top; }
 thead th { color: var(--soft); font-weight: 600; white-space: nowrap; } tbody th { font-weight: 500; overflow-wrap: anywhere; }
+button.sort { border: 0; background: none; padding: 0; min-width: 0; color: inherit; font-weight: inherit; text-align: inherit; }
+th[aria-sort=ascending] button::after { content: " ▲"; } th[aria-sort=descending] button::after { content: " ▼"; }
+button.more { margin: 0 0 14px; } input[type=search] { font: inherit; font-size: 14px; padding: 2px 8px; color: inherit;
+  background: var(--card); border: 1px solid var(--rule); border-radius: 6px; }
 .numeric td, .numeric thead th:not(:first-child) { text-align: right; white-space: nowrap; }
 svg polyline { fill: none; stroke: var(--c); } svg polygon { fill: var(--c); stroke: var(--c); stroke-width: 0.4; } svg text { fill: var(--c); }
 .c-ink { --c: var(--ink); } .c-soft { --c: var(--soft); } .c-grid { --c: var(--grid); } .c-page { --c: var(--page); }

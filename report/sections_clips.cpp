@@ -165,11 +165,19 @@ std::string Tiles(const ReportInput& input) {
   return html + "</dl>\n";
 }
 
-/// First clips of a group and the number of others.
-std::string ClipList(const std::vector<std::string>& clips) {
+/// A recording and the first frame that something is said about.
+struct ListedClip {
+  std::string item;
+  std::string clip{};  ///< that the frame is of; empty: of the item
+  int frame = 0;
+};
+
+/// First clips of a group, in the viewer where there is one, and the number of others.
+std::string ClipList(const ReportInput& input, const std::vector<ListedClip>& clips) {
   std::string html;
   for (std::size_t i = 0; i < std::min(kShownClips, clips.size()); ++i)
-    html += (i > 0 ? ", " : "") + EscapeHtml(clips[i]);
+    html += (i > 0 ? ", " : "") +
+            ViewerLink(input, clips[i].clip.empty() ? clips[i].item : clips[i].clip, clips[i].frame, clips[i].item);
   if (clips.size() > kShownClips)
     html += " and " + CountText(static_cast<long long>(clips.size() - kShownClips)) + " more";
   return html;
@@ -177,13 +185,14 @@ std::string ClipList(const std::vector<std::string>& clips) {
 
 struct Group {
   std::string message;
-  std::vector<std::string> clips;
+  std::vector<ListedClip> clips;
   long long count = 0;
   std::string severity;
   std::string action;
 };
 
-std::string ReasonsTable(const nlohmann::json& run) {
+std::string ReasonsTable(const ReportInput& input) {
+  const nlohmann::json& run = input.run;
   std::map<std::pair<std::string, std::string>, Group> groups;
   for (const nlohmann::json& clip : Elements(Field(run, "clips"))) {
     for (const char* how : {"failure", "excluded"}) {
@@ -192,7 +201,7 @@ std::string ReasonsTable(const nlohmann::json& run) {
       Group& group = groups[{TextOf(reason, "stage"), TextOf(reason, "code")}];
       if (group.clips.empty()) group.message = TextOf(reason, "message");
       group.severity = how == std::string("failure") ? "yes" : "no, a rule of the configuration";
-      group.clips.push_back(TextOf(clip, "item"));
+      group.clips.push_back({TextOf(clip, "item")});
     }
   }
   if (groups.empty()) return Paragraph("No clip was excluded or refused.");
@@ -203,7 +212,7 @@ std::string ReasonsTable(const nlohmann::json& run) {
   for (const auto& [key, group] : groups) {
     table.rows.push_back({EscapeHtml(key.first), EscapeHtml(key.second), group.severity,
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.message),
-                          ClipList(group.clips)});
+                          ClipList(input, group.clips)});
   }
   return table.Html();
 }
@@ -265,7 +274,7 @@ std::string FunnelHtml(const ReportInput& input) {
                   {0.0, kBeforeColour, "excluded by a rule"},
                   {0.0, kBadColour, "failed"},
                   {0.0, kAfterColour, "in the dataset"}};
-  html += ToInlineSvg(chart.Draw()) + ReasonsTable(input.run);
+  html += ToInlineSvg(chart.Draw()) + ReasonsTable(input);
   return html + "<details><summary>All stages</summary>" + table.Html() + "</details>\n";
 }
 
@@ -308,7 +317,9 @@ std::string FindingsHtml(const ReportInput& input) {
         group.action = TextOf(finding, "action");
       }
       const std::string item = TextOf(clip, "item");
-      if (group.clips.empty() || group.clips.back() != item) group.clips.push_back(item);
+      if (group.clips.empty() || group.clips.back().item != item) {
+        group.clips.push_back({item, TextOf(finding, "clip"), static_cast<int>(CountOf(finding, "frame_begin"))});
+      }
     }
   }
   const bool set = !Elements(Field(input.run, "findings")).empty();
@@ -322,7 +333,7 @@ std::string FindingsHtml(const ReportInput& input) {
   for (const auto& [code, group] : groups) {
     table.rows.push_back({EscapeHtml(code), EscapeHtml(group.severity), CountText(group.count),
                           CountText(static_cast<long long>(group.clips.size())), EscapeHtml(group.action),
-                          EscapeHtml(group.message), ClipList(group.clips)});
+                          EscapeHtml(group.message), ClipList(input, group.clips)});
   }
   return table.Html() + elsewhere;
 }
@@ -351,10 +362,11 @@ std::string ClipsHtml(const ReportInput& input) {
     if (table.rows.size() >= kMostRows) break;
     const std::string item = TextOf(*clip, "item");
     const nlohmann::json& fitting = Field(*clip, "fitting");
-    std::string name = EscapeHtml(item);
+    std::string name = ViewerLink(input, item, 0, item);
     if (has_page(clip)) {
       const nlohmann::json& files = Field(pages, item.c_str());
-      name = "<a href=\"" + EscapeHtml(TextOf(files, "page")) + "\">" + name + "</a>";
+      name = "<a href=\"" + EscapeHtml(TextOf(files, "page")) + "\">" + EscapeHtml(item) + "</a>";
+      if (Field(input.run, "viewers").contains("clips")) name += ", " + ViewerLink(input, item, 0, "3-D");
       const std::string video = TextOf(files, "video");
       if (!video.empty()) name += ", <a href=\"" + EscapeHtml(video) + "\">video</a>";
     }

@@ -235,8 +235,8 @@ std::string FilmstripsHtml(const ReportInput& input) {
   std::size_t overlays = 0;
   for (std::size_t i = 0; i < input.drawn.size(); ++i) {
     const DrawnClip& clip = input.drawn[i];
-    html += "<h3>" + EscapeHtml(clip.item) + "</h3>\n" + Figures(clip) + "<div class=\"clip\"><div>\n" +
-            ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip))) + "</div>\n" +
+    html += "<h3>" + ViewerLink(input, clip.item, 0, clip.item) + "</h3>\n" + Figures(clip) +
+            "<div class=\"clip\"><div>\n" + ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip))) + "</div>\n" +
             PlayerHtml(clip.item, std::to_string(i), TracksOf(clip) != nullptr) + "</div>\n";
     if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
       html += Overlays(clip);

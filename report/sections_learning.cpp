@@ -174,6 +174,10 @@ std::string GeneratedHtml(const ReportInput& input) {
   std::string html = failed + Paragraph(
                                   "One motion of each class by each network, its first seed, beside the first real "
                                   "one. They are not selected.");
+  if (const std::string viewer = TextOf(Field(input.run, "viewers"), "generated"); !viewer.empty()) {
+    html +=
+        Paragraph("<a href=\"" + EscapeHtml(viewer) + "\">In motion, side by side</a>: three samples of each class.");
+  }
   bool open = true;
   for (const std::string& label : input.dataset->labels) {
     html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +

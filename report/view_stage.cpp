@@ -3,6 +3,7 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/store/dataset_clips.h"
 #include "report/html.h"
@@ -66,13 +67,16 @@ Status AddSet(const StageInput& input, const ViewerOptions& options, const Stage
   const std::map<int, std::string> parts = PartsOf(*outline);
   std::map<std::string, std::vector<Finding>> findings;
   for (const Finding& finding : outline->findings) findings[finding.clip].push_back(finding);
+  int skin_number = -1;
   if (body != nullptr && !outline->joints_only && outline->skeleton) {
     const auto skin = ReadSkin(body->path, *outline->skeleton);
     if (!skin && !options.skin_if_it_fits) return Forward(skin);
-    if (skin) data.SetSkin(*skin, *outline->skeleton);
+    if (skin) skin_number = data.AddSkin(*skin, *outline->skeleton);
   }
+  std::map<std::string, std::int64_t> shown;  // of each label
   for (std::size_t row = 0; row < clips->size(); ++row) {
     if (!IsAsked(outline->clips[row], options)) continue;
+    if (options.per_label > 0 && ++shown[clips->Label(row)] > options.per_label) continue;
     const auto clip = clips->Read(row);
     if (!clip) return Forward(clip);
     if (!clip->motion || clip->motion->frame_count() == 0) {
@@ -82,8 +86,14 @@ Status AddSet(const StageInput& input, const ViewerOptions& options, const Stage
     const auto part = parts.find(static_cast<int>(row));
     const auto seen = EvidenceOf(*clip, evidence);
     if (!seen) return Forward(seen);
-    const ViewedClip viewed{*clip, findings[clip->id()], part == parts.end() ? "" : part->second,
-                            seen->tracks ? &*seen->tracks : nullptr, seen->cameras};
+    const std::string group = options.per_label == 0 ? "" : clip->label.empty() ? "no label" : clip->label;
+    const ViewedClip viewed{*clip,
+                            FindingsOf(*clip, findings),
+                            part == parts.end() ? "" : part->second,
+                            group,
+                            seen->tracks ? &*seen->tracks : nullptr,
+                            seen->cameras,
+                            skin_number};
     if (Status added = data.Add(source, viewed); !added) return added;
   }
   return {};
@@ -97,8 +107,12 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
   const auto options = OptionsFromJson<ViewerOptions>(request.options, "view");
   if (!options) return Forward(options);
   if (Status made = MakeFolder(request.output); !made) return Forward(made);
-  ViewerData data(
-      [&](int part, const std::string& bytes) { return WriteFile(request.output / PartName(part), Base64(bytes)); });
+  Sha256 digest;  // of the parts: those of another page are refused
+  ViewerData data([&](int part, const std::string& bytes) {
+    const std::string text = Base64(bytes);
+    digest.Add(text);
+    return WriteFile(request.output / PartName(part), text);
+  });
   const StageInput* body = FindInput(request, "body");
   std::vector<std::string> without;
   for (const StageInput& input : request.inputs) {
@@ -119,7 +133,8 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
   nlohmann::json index = data.Index();
   index["page"] = true;  // the address and keys of the browser's window are the viewer's
   const bool whole = data.bytes() * 4 / 3 <= static_cast<std::size_t>(options->page_bytes);
-  if (!whole) index["beside"] = options->beside;
+  const std::string set = digest.Hex().substr(0, 16);
+  if (!whole) index["beside"] = {{"folder", options->beside}, {"set", set}};
   std::vector<std::string> parts;
   for (int part = 0; part < data.parts(); ++part) {
     const fs::path file = request.output / PartName(part);
@@ -131,9 +146,8 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
       parts.push_back(std::move(*text));
       continue;
     }
-    const std::string call = "mocurateParts.take(" + std::to_string(kViewerSchema) + "," +
-                             nlohmann::json(options->beside).dump() + "," + std::to_string(part) + ",\"" + *text +
-                             "\");\n";
+    const std::string call = "mocurateParts.take(" + std::to_string(kViewerSchema) + "," + nlohmann::json(set).dump() +
+                             "," + std::to_string(part) + ",\"" + *text + "\");\n";
     if (Status written = WriteFile(request.output / (PartName(part) + ".js"), call); !written) return Forward(written);
   }
   const std::string page = ViewerPage(options->title, index, parts);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <numeric>
 #include <utility>
 
 #include "core/base/pi.h"
@@ -25,14 +26,17 @@ constexpr int kMostUnit = 100;  // a point may be 327 m from its root
 
 std::uint16_t Bits16(double value) { return static_cast<std::uint16_t>(std::lround(value)); }
 
-/// Tenths of a millimetre of one step, so that every joint is within 16 bits of its root.
-int UnitOf(const Motion& motion) {
+/// Tenths of a millimetre of one step, so that every joint and point is within 16 bits of the root.
+int UnitOf(const Motion& motion, const JointTracks* tracks) {
   double reach = 0.0;
   for (int f = 0; f < motion.frame_count(); ++f) {
     const Vector3d root = motion.joints.at(f, 0);
     for (int j = 1; j < motion.joint_count(); ++j) {
       const double apart = (motion.joints.at(f, j) - root).cwiseAbs().maxCoeff();
       if (std::isfinite(apart)) reach = std::max(reach, apart);
+    }
+    for (int k = 0; tracks != nullptr && k < tracks->positions.joints; ++k) {
+      if (Observes(*tracks, f, k)) reach = std::max(reach, (tracks->positions.at(f, k) - root).cwiseAbs().maxCoeff());
     }
   }
   return std::clamp(static_cast<int>(std::ceil(kTenths * reach / kMost16)), 1, kMostUnit);
@@ -169,6 +173,23 @@ JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded) {
   return tracks;
 }
 
+std::vector<ViewedFinding> FindingsOf(const Clip& clip, const std::map<std::string, std::vector<Finding>>& by_id) {
+  std::vector<ViewedFinding> viewed;
+  const auto add = [&](const std::string& id, double hz, double from_s) {
+    const auto found = by_id.find(id);
+    if (found == by_id.end()) return;
+    for (const Finding& finding : found->second) {
+      const bool whole = finding.frame_end <= finding.frame_begin;
+      const double begin = finding.frame_begin / hz - from_s, end = finding.frame_end / hz - from_s;
+      if (!whole && (end <= 0.0 || begin >= clip.motion->duration())) continue;
+      viewed.push_back({whole ? 0.0 : std::max(0.0, begin), whole ? 0.0 : end, finding});
+    }
+  };
+  add(clip.id(), clip.motion->rate.hz(), 0.0);
+  if (RecordingOf(clip.id()) != clip.id()) add(RecordingOf(clip.id()), RecordedRate(clip).hz(), BeginInRecording(clip));
+  return viewed;
+}
+
 void Append16(double value, std::string& bytes) {
   const std::uint16_t bits = Bits16(value);
   bytes += static_cast<char>(bits & 0xFFU);
@@ -217,9 +238,18 @@ int ViewerData::SkeletonOf(const Skeleton& skeleton) {
   return known->second;
 }
 
-void ViewerData::SetSkin(const Skin& skin, const Skeleton& skeleton) {
-  skeletons_[static_cast<std::size_t>(SkeletonOf(skeleton))]["skin"] = skins_.size();
-  skins_.push_back(SkinJson(skin, skeleton));
+int ViewerData::AddSkin(const Skin& skin, const Skeleton& skeleton) {
+  nlohmann::json json = SkinJson(skin, skeleton);
+  const auto [known, is_new] = known_skins_.emplace(json.dump(), static_cast<int>(skins_.size()));
+  if (!is_new) return known->second;
+  double length = 0.0;
+  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0) length += (skin.joints[j] - skin.joints[static_cast<std::size_t>(parent)]).norm();
+  }
+  skin_lengths_.push_back(length);
+  skins_.push_back(std::move(json));
+  return known->second;
 }
 
 int ViewerData::BodyOf(const Clip& clip, double scale) {
@@ -246,7 +276,7 @@ int ViewerData::BodyOf(const Clip& clip, double scale) {
 Status ViewerData::Add(int source, const ViewedClip& viewed) {
   const Clip& clip = viewed.clip;
   const Motion& motion = *clip.motion;
-  const int unit = UnitOf(motion);
+  const int unit = UnitOf(motion, viewed.tracks);
   const std::string bytes = Packed(viewed, unit);
   if (!part_.empty() && part_.size() + bytes.size() > part_bytes_) {
     if (Status written = Finish(); !written) return written;
@@ -257,12 +287,14 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
                          {"skeleton", SkeletonOf(*motion.skeleton)},
                          {"body", BodyOf(clip, scale)},
                          {"scale", Rounded(scale, 1e4)},
+                         {"skin", motion.joints_only() ? -1 : viewed.skin},
                          {"frames", motion.frame_count()},
                          {"hz", motion.rate.hz()},
                          {"label", clip.label},
                          {"fine", clip.fine_label},
                          {"person", clip.identity.person},
                          {"part", viewed.part},
+                         {"group", viewed.group},
                          {"residual", Rounded(1e3 * clip.fit_rms, 10.0)},
                          {"yaw", Rounded(FrontYaw(motion), 1e3)},
                          {"floor", nullptr},
@@ -272,6 +304,10 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
                          {"segments", nlohmann::json::array()},
                          {"findings", nlohmann::json::array()}};
   if (clip.Noted(kHeightOrigin) == kOriginFloor) json["floor"] = 0.0;
+  if (json["skin"] >= 0) {
+    const double length = std::accumulate(motion.bone_length.begin(), motion.bone_length.end(), 0.0);
+    json["skin_scale"] = Rounded(length / skin_lengths_[static_cast<std::size_t>(viewed.skin)], 1e4);
+  }
   const auto has = [&](const char* field, bool there) {
     if (there) json["has"].push_back(field);
   };
@@ -293,11 +329,11 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
   for (const Segment& segment : clip.segments) {
     json["segments"].push_back({segment.begin_s, segment.end_s, segment.label, segment.origin});
   }
-  for (const Finding& finding : viewed.findings) {
+  for (const auto& [begin_s, end_s, finding] : viewed.findings) {
     json["findings"].push_back({{"code", finding.code},
                                 {"severity", Name(finding.severity)},
-                                {"begin", finding.frame_begin},
-                                {"end", finding.frame_end},
+                                {"begin_s", Rounded(begin_s, 1e4)},
+                                {"end_s", Rounded(end_s, 1e4)},
                                 {"text", finding.message}});
   }
   clips_.push_back(std::move(json));

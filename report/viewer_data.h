@@ -16,13 +16,26 @@ namespace mocurate {
 /// Number of the layout of a viewer's index and parts; report/viewer/data.js has the same.
 inline constexpr int kViewerSchema = 1;
 
+/// A finding, seconds from the clip's first frame; both 0: about the whole clip.
+struct ViewedFinding {
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  Finding finding;
+};
+
+/// Findings about a clip or about the recording that it is cut from, in the clip's time; those about other parts of
+/// the recording are left out.
+std::vector<ViewedFinding> FindingsOf(const Clip& clip, const std::map<std::string, std::vector<Finding>>& by_id);
+
 /// A clip to view, with what is known beside its motion.
 struct ViewedClip {
   const Clip& clip;
-  std::vector<Finding> findings{};
+  std::vector<ViewedFinding> findings{};
   std::string part{};                   ///< of the first split: "train", "validation", "test"; or empty
+  std::string group{};                  ///< with which clips of other sources it stands; empty: those of its recording
   const JointTracks* tracks = nullptr;  ///< observed points in the motion's world, one sample a frame
   std::vector<Camera> cameras{};        ///< in the motion's world
+  int skin = -1;                        ///< number that AddSkin gave; -1: none
 };
 
 /// The tracks of a recording as they were observed at the frames of a clip of it, in the clip's world: of each frame
@@ -45,8 +58,8 @@ class ViewerData {
 
   /// Returns the number of the source, which the page names.
   int AddSource(const std::string& name);
-  /// A skin for clips of the skeleton.
-  void SetSkin(const Skin& skin, const Skeleton& skeleton);
+  /// Returns the number of a skin over the skeleton's joints.
+  int AddSkin(const Skin& skin, const Skeleton& skeleton);
   /// Errors of the sink.
   Status Add(int source, const ViewedClip& viewed);
   /// The last part.
@@ -70,7 +83,8 @@ class ViewerData {
   nlohmann::json sources_ = nlohmann::json::array(), skeletons_ = nlohmann::json::array();
   nlohmann::json skins_ = nlohmann::json::array(), bodies_ = nlohmann::json::array();
   nlohmann::json clips_ = nlohmann::json::array();
-  std::map<std::string, int> known_skeletons_, known_bodies_;
+  std::map<std::string, int> known_skeletons_, known_bodies_, known_skins_;
+  std::vector<double> skin_lengths_;  ///< metres, all bones of each skin
 };
 
 /// A skin for scripts: {"parents", "joints" (3J), "vertices" int16 (V,3), both tenths of a millimetre, "faces" uint16

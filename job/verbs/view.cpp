@@ -1,24 +1,23 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "core/base/file.h"
-#include "core/base/links.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 #include "core/pipeline/runner.h"
 #include "ingest/stages.h"
-#include "job/config_loading.h"
 #include "job/motion_files.h"
-#include "job/run_and_capture.h"
 #include "job/run_folder.h"
 #include "job/verbs/inputs_and_outputs.h"
 #include "job/verbs/verbs.h"
+#include "job/viewer_files.h"
 #include "report/options.h"
 #include "report/stages.h"
+#include "train/items.h"
 
 namespace mocurate {
 namespace {
@@ -53,39 +52,29 @@ std::vector<StageInput> EvidenceOfRun(const fs::path& run, const std::string& so
   return inputs;
 }
 
-/// The body of skins: the given one, else body_cc0.h5 where it is found. Pages are passed on: a body that may not be,
-/// SMPL, is never taken without being asked for.
-fs::path PassableBody(const fs::path& given) {
-  if (!given.empty()) return given;
-  const fs::path found = FindBody();
-  return found.filename() == "body_cc0.h5" ? found : fs::path();
-}
-
-/// Opens a page where a desktop is. False: there is none.
+/// Opens a page where a desktop is, without waiting for the browser. False: there is none.
 bool OpenPage(const fs::path& page) {
+  constexpr const char* kOpener = "/usr/bin/xdg-open";
   const bool desktop = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-  if (!desktop) return false;
-  for (const char* program : {"/usr/bin/xdg-open", "/usr/bin/open"}) {
-    if (access(program, X_OK) != 0) continue;
-    return RunAndCapture(program, {page.string()}, {true, 20.0}).exit_status == 0;
+  if (!desktop || access(kOpener, X_OK) != 0) return false;
+  const pid_t child = fork();
+  if (child != 0) return child > 0;
+  setsid();
+  if (const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC); nowhere >= 0) {
+    for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
   }
-  return false;
+  execl(kOpener, kOpener, page.c_str(), static_cast<char*>(nullptr));
+  _exit(127);
 }
 
-/// Puts a page and its parts where they are asked for.
-Status CopyPage(const fs::path& made, const fs::path& page, const fs::path& beside, int parts) {
-  if (const fs::path folder = page.parent_path(); !folder.empty()) {
-    if (Status there = MakeFolder(folder); !there) return there;
+/// A page in a folder of its own that nobody else can write; it stays until temporary files are cleared.
+Expected<fs::path> TemporaryPage(const std::string& name) {
+  std::error_code unknown;
+  std::string folder = (fs::temp_directory_path(unknown) / "mocurate-view-XXXXXX").string();
+  if (unknown || mkdtemp(folder.data()) == nullptr) {
+    return Fail(ErrorCode::kCannotWrite, "no temporary folder for the page", folder, "name the page with -o");
   }
-  if (parts > 0) {
-    if (Status there = MakeFolder(beside); !there) return there;
-  }
-  for (int part = 0; part < parts; ++part) {
-    const std::string name = "part_" + ZeroPadded(part, 4) + ".js";
-    if (Status plain = CheckNotLink(beside / name); !plain) return plain;
-    if (Status copied = CopyWhole(made / name, beside / name); !copied) return copied;
-  }
-  return CopyWhole(made / "index.html", page);
+  return fs::path(folder) / (name + ".html");
 }
 
 }  // namespace
@@ -99,20 +88,20 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
   if (kept && page.extension() != ".html") {
     return Fail(ErrorCode::kUsage, "the output is not a page (.html)", DisplayPath(page), "name e.g. -o walk.html");
   }
-  const fs::path name = inputs.front().stem();
-  if (!kept) {
-    page = fs::temp_directory_path() / ("mocurate-view-" + std::to_string(getuid())) / (name.string() + ".html");
-    if (Status plain = CheckNotLink(page.parent_path()); !plain) return plain;
-  }
-  const fs::path beside = page.parent_path() / (page.stem().string() + "_files");
-  if (Status free = CheckOutputs({page}, inputs, arguments.force || !kept); !free) return free;
+  const std::string name = NamedPathOf(arguments.motions.front()).name;
+  if (Status free = CheckOutputs({page}, inputs, arguments.force); !free) return free;
   auto stages = VerbStages::Make(common);
   if (!stages) return Forward(stages);
 
+  if (!kept) {
+    auto temporary = TemporaryPage(FileNameOf(name));
+    if (!temporary) return Forward(temporary);
+    page = *temporary;
+  }
   ViewerOptions options;
-  options.title = arguments.title.empty() ? name.string() : arguments.title;
+  options.title = arguments.title.empty() ? name : arguments.title;
   options.clips = arguments.clips;
-  options.beside = beside.filename().string();
+  options.beside = FolderBeside(page);
   options.skin_if_it_fits = arguments.body.empty();
   ItemSpec item{"view", OptionsToJson(options), {}};
   std::set<std::string> taken;
@@ -130,13 +119,12 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
     if (*path == named.path) continue;
     for (StageInput& evidence : EvidenceOfRun(named.path, named.name)) item.inputs.push_back(std::move(evidence));
   }
-  if (const fs::path body = PassableBody(arguments.body); !body.empty()) {
+  if (const fs::path body = arguments.body.empty() ? PassableBody() : arguments.body; !body.empty()) {
     item.inputs.push_back({"body", body.filename().string(), body, ""});
   }
   const auto made = (*stages)->One(ViewDeclaration(), std::move(item));
   if (!made) return Forward(made);
-  const int parts = made->summary.at("parts").get<int>();
-  if (Status copied = CopyPage(made->artifact, page, beside, parts); !copied) return copied;
+  if (Status copied = CopyViewer(*made, page); !copied) return copied;
   for (const nlohmann::json& clip : made->summary.at("without_motion")) {
     LogWarning(clip.get<std::string>() + " has no motion: it is not shown");
   }
@@ -146,7 +134,9 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
   if (!AnswersInText(common, answer)) return {};
   Print("%s in %s%s\n", Counted(answer.at("clips").get<long long>(), "clip").c_str(), DisplayPath(page).c_str(),
         opened ? "" : "; open it in a browser");
-  if (parts > 0) Print("its motions are in %s: keep both together\n", DisplayPath(beside).c_str());
+  if (answer.at("parts") > 0) {
+    Print("its motions are in %s: keep both together\n", DisplayPath(page.parent_path() / FolderBeside(page)).c_str());
+  }
   return {};
 }
 

@@ -9,7 +9,7 @@ const mocurateParts = (() => {
   const sentence = {
     schema: found => 'This page reads data of schema ' + SCHEMA + ', but the data have ' + found +
       ': page and data were written by different versions of mocurate. Write the page again with `mocurate view`.',
-    missing: file => file + ' is missing or damaged: keep this folder beside the page, or write the page again.',
+    missing: file => file + ' is missing, damaged or of another page: keep the folder beside its page, or write the page again.',
   };
 
   const bytesOf = text => {
@@ -27,15 +27,15 @@ const mocurateParts = (() => {
   /// Called by a part beside the page.
   const take = (schema, set, part, text) => {
     const asked = waiting.get(set + '/' + part);
-    if (!asked) return;
+    if (!asked) return;  // nobody waits for a part of another page: its loading ends with a sentence
     waiting.delete(set + '/' + part);
-    if (schema !== SCHEMA) asked.reject(new Error(sentence.schema(schema)));
-    else asked.resolve(bytesOf(text));
+    if (schema !== SCHEMA) { asked.reject(new Error(sentence.schema(schema))); return; }
+    try { asked.resolve(bytesOf(text)); } catch (e) { asked.reject(new Error(sentence.missing('part ' + part))); }
   };
 
   /// A promise of the bytes of a part.
   const read = (index, part) => {
-    const key = (index.beside || '') + '/' + part;
+    const key = (index.beside ? index.beside.set : '') + '/' + part;
     if (decoded.has(key)) return Promise.resolve(keep(key, decoded.get(key)));
     if (!index.beside) {
       const inline = () => document.getElementById('mocurate-part-' + part);
@@ -45,7 +45,7 @@ const mocurateParts = (() => {
         throw new Error('part ' + part + ' of this page is missing or damaged: write the page again.');
       });
     }
-    const file = index.beside + '/part_' + String(part).padStart(4, '0') + '.js';
+    const file = index.beside.folder + '/part_' + String(part).padStart(4, '0') + '.js';
     const earlier = waiting.get(key);
     if (earlier) return earlier.promise;
     const asked = {};

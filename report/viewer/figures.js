@@ -89,7 +89,7 @@ const mocurateFigures = (() => {
     const rest = numbers(Int16Array, data.vertices), index = numbers(Uint16Array, data.faces);
     const weights = numbers(Uint8Array, data.weights), V = rest.length / 3, J = data.parents.length;
     const positions = new Float32Array(3 * V), normals = new Float32Array(3 * V), own = new Float32Array(3 * V);
-    const joints = new Uint16Array(V), scale = clip.scale, place = data.joints.map(v => scale * 1e-4 * v);
+    const joints = new Uint16Array(V), scale = clip.skin_scale, place = data.joints.map(v => scale * 1e-4 * v);
     for (let v = 0; v < V; ++v) joints[v] = weights[8 * v + 4];
     for (let f = 0; f < index.length; f += 3) {  // a vertex has the sum of its faces' normals
       const at = k => [0, 1, 2].map(i => rest[3 * index[f + k] + i]);

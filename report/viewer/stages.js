@@ -1,6 +1,7 @@
 'use strict';
 // Two stages draw the same scene: with WebGL (three.js) or on a canvas. draw(scene, camera) takes
-//   scene:  {bodies: [{key, figure, colours, shift, lines, joints}], floor, centre, radius, paths, points, frusta, dark}
+//   scene:  {bodies: [{key, figure, colours, shift, joints, parents, opacity}], lines: [{key, places, colour, strip, dots}],
+//           floor, centre, radius, grid, background}
 //   camera: {yaw, pitch, distance, target, width, height, ratio}
 // Metres, y up. The eye is at target + distance * direction(yaw, pitch).
 const mocurateStages = (() => {
@@ -95,13 +96,15 @@ const mocurateStages = (() => {
       renderer.setSize(camera.width, camera.height, false);
       renderer.setClearColor(scene.background, 1);
       view.aspect = camera.width / camera.height;
-      view.updateProjectionMatrix();
       view.position.set(...eye(camera));
       view.lookAt(...camera.target);
+      view.near = Math.max(0.01, camera.distance / 200);
+      view.far = camera.distance + 6 * scene.radius + 20;
+      view.updateProjectionMatrix();
       const reach = Math.max(2, Math.ceil(2 * scene.radius)), [x, , z] = scene.centre.map(Math.round);
       if (!grid || grid.reach !== reach || grid.colour !== scene.grid) {
-        if (grid) world.remove(grid);
-        grid = new THREE.GridHelper(2 * reach, 4 * reach, scene.grid, scene.grid);
+        if (grid) { world.remove(grid); grid.geometry.dispose(); grid.material.dispose(); }
+        grid = new THREE.GridHelper(2 * reach, Math.min(200, 4 * reach), scene.grid, scene.grid);
         grid.reach = reach;
         grid.colour = scene.grid;
         world.add(grid);
@@ -133,7 +136,6 @@ const mocurateStages = (() => {
       scene.lines.forEach(line => drawLines(line.key, line));
       renderer.render(world, view);
     };
-    canvas.addEventListener('webglcontextlost', e => e.preventDefault());
     return {draw, kind: 'webgl'};
   };
 
@@ -157,7 +159,7 @@ const mocurateStages = (() => {
       pen.strokeStyle = scene.grid;
       pen.lineWidth = 1;
       const reach = Math.max(2, Math.ceil(scene.radius)), [x, , z] = scene.centre.map(Math.round);
-      for (let g = -reach; g <= reach; g += 0.5) {
+      for (let g = -reach; g <= reach; g += Math.max(0.5, reach / 50)) {
         stroke([x + g, scene.floor, z - reach], [x + g, scene.floor, z + reach]);
         stroke([x - reach, scene.floor, z + g], [x + reach, scene.floor, z + g]);
       }
@@ -189,5 +191,5 @@ const mocurateStages = (() => {
     return {draw, kind: 'canvas'};
   };
 
-  return {FIELD, make: canvas => webgl(canvas) || flat(canvas), flat, projection};
+  return {FIELD, make: canvas => webgl(canvas) || flat(canvas)};
 })();

@@ -134,7 +134,7 @@ const mocurateTimeline = (() => {
         label(curve.name, y + 10);
         label('max ' + (curve.most >= 10 ? Math.round(curve.most) : curve.most.toFixed(1)) + ' ' + curve.unit, y + 24);
         for (const line of curve.lines) {
-          pen.strokeStyle = style(line.colour);
+          pen.strokeStyle = line.colour;
           pen.lineWidth = 1.3;
           pen.beginPath();
           let open = false;
@@ -156,8 +156,7 @@ const mocurateTimeline = (() => {
     const show = motions => {
       rows = [];
       const curve = (name, unit, of) => {
-        const lines = motions.filter(m => of(m.motion)).map(m => ({colour: m.colour, hz: m.motion.clip.hz,
-          values: of(m.motion)}));
+        const lines = motions.map(m => ({colour: m.colour, hz: m.motion.clip.hz, values: of(m.motion)})).filter(line => line.values);
         let most = 0;
         lines.forEach(line => line.values.forEach(v => { if (v > most) most = v; }));
         return lines.length > 0 ? [{name, unit, lines, most}] : [];
@@ -167,20 +166,22 @@ const mocurateTimeline = (() => {
         const clip = motion.clip, of = motions.length > 1 ? ', ' + name : '';
         const add = (title, spans) => { if (spans.length > 0) rows.push({name: title + of, spans}); };
         const colours = ['--after', '--right', '--good', '--before'], labels = [...new Set(clip.segments.map(s => s[2]))];
-        let open = clip.segments.map(([begin, end, text]) => ({begin, end, text: text || 'unlabelled',
-          colour: colours[labels.indexOf(text) % colours.length]})).sort((a, b) => a.begin - b.begin);
-        for (let line = 0; open.length > 0; ++line) {  // segments may overlap
-          const placed = [], left = [];
-          for (const span of open) {
-            if (placed.length === 0 || placed[placed.length - 1].end <= span.begin + 1e-9) placed.push(span);
-            else left.push(span);
+        const lanes = (title, spans) => {  // spans may overlap
+          let open = spans.sort((a, b) => a.begin - b.begin);
+          while (open.length > 0) {
+            const placed = [], left = [];
+            for (const span of open) {
+              if (placed.length === 0 || placed[placed.length - 1].end <= span.begin + 1e-9) placed.push(span);
+              else left.push(span);
+            }
+            add(title, placed);
+            open = left;
           }
-          add(line === 0 ? 'segments' : '', placed);
-          open = left;
-        }
-        add('findings', clip.findings.map(f => ({begin: f.end > f.begin ? f.begin / clip.hz : 0,
-          end: f.end > f.begin ? f.end / clip.hz : clip.frames / clip.hz, text: f.code,
-          colour: f.severity === 'error' ? '--bad' : f.severity === 'warning' ? '--suspect' : '--before'})));
+        };
+        lanes('segments', clip.segments.map(([begin, end, text]) => ({begin, end, text: text || 'unlabelled',
+          colour: colours[labels.indexOf(text) % colours.length]})));
+        lanes('findings', clip.findings.map(f => ({begin: f.begin_s, end: f.end_s > f.begin_s ? f.end_s : clip.frames / clip.hz,
+          text: f.code, colour: f.severity === 'error' ? '--bad' : f.severity === 'warning' ? '--suspect' : '--before'})));
         if (motion.contact) {
           ['left', 'right'].forEach((side, bit) => add(side + ' foot down',
             runs(clip, f => motion.contact[f] >> bit & 1 ? 1 : null).map(run => ({...run, colour: '--' + side}))));
@@ -208,5 +209,5 @@ const mocurateTimeline = (() => {
     canvas.addEventListener('pointermove', e => { if (e.buttons & 1) at(e); });
     return {show, draw, move: seconds => { now = seconds; line(); }};
   };
-  return {build, speeds, stretch};
+  return {build};
 })();

@@ -21,20 +21,23 @@ const mocurateViewer = (() => {
     return element;
   };
   const hex = rgb => '#' + rgb.map(v => ('0' + Math.round(255 * v).toString(16)).slice(-2)).join('');
-  const keyOf = clip => clip.id.split('/').slice(1).join('/') || clip.id;
+  const keyOf = clip => clip.group || clip.id.split('/').slice(1).join('/') || clip.id;
 
-  /// Clips that show the same recording in several sources stand together: [{key, clips: [by source, or null]}].
+  /// Clips that show the same in several sources stand together, the same recording or, where clips have a group, that:
+  /// [{key, samples, clips}]. Of several clips of a source one is shown, clips(sample): [by source, or null].
   const groupsOf = index => {
     const groups = new Map(), each = index.sources.map((s, i) => index.clips.filter(clip => clip.source === i).length);
     const alone = index.sources.length > 1 && each.every(count => count === 1);
     for (const clip of index.clips) {
       const key = alone ? 'all' : keyOf(clip);
-      if (!groups.has(key)) groups.set(key, {key, clips: index.sources.map(() => null)});
-      const group = groups.get(key);
-      if (group.clips[clip.source]) groups.set(key + '~' + groups.size, {key, clips: index.sources.map((s, i) => i === clip.source ? clip : null)});
-      else group.clips[clip.source] = clip;
+      const taken = !clip.group && groups.has(key) && groups.get(key)[clip.source].length > 0;
+      const own = taken ? clip.id + '~' + clip.source : key;  // of one file, from another identity's recording
+      if (!groups.has(own)) groups.set(own, index.sources.map(() => []));
+      groups.get(own)[clip.source].push(clip);
     }
-    return [...groups.values()].map(group => ({...group, first: group.clips.find(clip => clip)}));
+    return [...groups].map(([key, of]) => ({key, all: of.flat(), first: of.flat()[0], findings: of.flat().flatMap(clip => clip.findings),
+      residual: Math.max(...of.flat().map(clip => clip.residual)), samples: Math.max(...of.map(list => list.length)),
+      clips: sample => of.map(list => list[sample] || null)}));
   };
 
   return (root, index) => {
@@ -49,7 +52,7 @@ const mocurateViewer = (() => {
       return null;
     }
     const groups = groupsOf(index), several = index.sources.length > 1;
-    const state = {group: null, shown: [], time: 0, playing: false, speed: 1, loop: true, figure: 'body', colour: 'sides',
+    const state = {group: null, sample: 0, shown: [], time: 0, playing: false, speed: 1, loop: true, figure: 'body', colour: 'sides',
       layout: 'beside', align: 'world', path: true, points: true, cameras: true, follow: false, hidden: new Set(), stage: ''};
     const camera = {yaw: 0.6, pitch: 0.2, distance: 4, target: [0, 1, 0]};
     let scene = null, length = 0, last = 0, turned = 0;
@@ -66,12 +69,14 @@ const mocurateViewer = (() => {
     const playButton = button('Play', () => play(!state.playing), {'data-do': 'play', title: 'space'});
     const slider = make('input', {type: 'range', min: 0, max: 0, step: 1, value: 0, 'aria-label': 'Frame',
       oninput: e => { play(false); show(Number(e.target.value) / rate()); }});
-    const clock = make('output', {class: 'clock'});
+    const clock = make('output', {class: 'clock', 'aria-live': 'off'});
     const speed = make('select', {'aria-label': 'Speed', 'data-option': 'speed', onchange: e => { state.speed = Number(e.target.value); }},
       ...SPEEDS.map(value => make('option', {value, selected: value === 1}, value + ' ×')));
     const bands = make('canvas', {class: 'bands', role: 'img', 'aria-label': 'Segments, findings, contacts, states and curves over time'});
     const timeline = mocurateTimeline.build(bands, style, seconds => { play(false); show(seconds); });
     const names = make('div', {class: 'names'});
+    const samples = make('select', {'aria-label': 'Sample', 'data-option': 'sample', onchange: e =>
+      select(state.group, state.time, '', Number(e.target.value))});
     const heading = make('h2', {}), facts = make('p', {class: 'facts'}), found = make('ul', {class: 'found'});
 
     const refigure = () => { state.shown.forEach(entry => { entry.figure = figureOf(entry); }); show(state.time); };
@@ -93,13 +98,13 @@ const mocurateViewer = (() => {
       button(name, () => lookFrom(yaw, pitch), {'data-view': name, title: 'key ' + (i + 1)})), button('Fit', () => { fit(); show(state.time); }, {title: 'key 0'}));
     const tools = make('div', {class: 'tools', role: 'group', 'aria-label': 'Tools'},
       button('Picture', () => save(), {'data-do': 'picture', title: 'save a PNG'}),
-      ...(typeof MediaRecorder === 'undefined' || !canvas.captureStream ? [] :
+      ...(typeof MediaRecorder === 'undefined' || !canvas.captureStream || !MediaRecorder.isTypeSupported('video/webm') ? [] :
         [button('Video', () => record(), {'data-do': 'video', title: 'save the motion once as WebM'})]),
       button('Link', () => copyLink(), {'data-do': 'link', title: 'address of this clip and time'}),
       button('Keys', () => { keys.open = !keys.open; }, {'data-do': 'keys', title: 'key ?'}));
     const keys = make('details', {class: 'keys'}, make('summary', {}, 'Keys'), make('p', {}, 'space: play · ← →: a frame, with ' +
       'shift: turn · Home, End: first and last frame · n, b: next and previous clip · 1 to 5: views, 0: whole motion · g: figure · c: ' +
-      'colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · v: cameras · f: follow · l: loop · + −: speed · /: search'));
+      'colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · v: cameras · f: follow · l: loop · + −: speed · i u: nearer, farther · /: search'));
 
     // The list.
     const search = make('input', {type: 'search', placeholder: 'Search clips', 'aria-label': 'Search clips', oninput: () => list()});
@@ -107,36 +112,37 @@ const mocurateViewer = (() => {
       make('option', {value: ''}, label + ': all'), ...values.map(([value, count]) => make('option', {value}, (value || 'none') + ' (' + count + ')')));
     const tally = of => {
       const counts = new Map();
-      groups.forEach(group => new Set(of(group.first)).forEach(v => counts.set(v, (counts.get(v) || 0) + 1)));
+      groups.forEach(group => new Set(of(group)).forEach(v => counts.set(v, (counts.get(v) || 0) + 1)));
       return [...counts].sort((a, b) => a[0] < b[0] ? -1 : 1);
     };
-    const filters = [['Label', clip => [clip.label]], ['Person', clip => [clip.person]], ['Part', clip => [clip.part]],
-      ['Finding', clip => clip.findings.length > 0 ? clip.findings.map(f => f.code) : ['none']]]
+    const filters = [['Label', group => group.all.map(clip => clip.label)], ['Person', group => group.all.map(clip => clip.person)],
+      ['Part', group => group.all.map(clip => clip.part)],
+      ['Finding', group => group.findings.length > 0 ? group.findings.map(f => f.code) : ['none']]]
       .map(([name, of]) => ({of, values: tally(of), name})).filter(f => f.values.length > 1)
       .map(f => ({...f, select: choice(f.name, f.values)}));
-    const orders = [['order', 'file order', () => 0], ['label', 'label', clip => clip.label], ['person', 'person', clip => clip.person],
-      ['length', 'longest first', clip => -clip.frames / clip.hz],
-      ...(index.clips.some(clip => clip.residual > 0) ? [['residual', 'largest residual first', clip => -clip.residual]] : []),
-      ...(index.clips.some(clip => clip.findings.length > 0) ? [['findings', 'most findings first', clip => -clip.findings.length]] : [])];
+    const orders = [['order', 'file order', () => 0], ['label', 'label', group => group.first.label], ['person', 'person', group => group.first.person],
+      ['length', 'longest first', group => -group.first.frames / group.first.hz],
+      ...(index.clips.some(clip => clip.residual > 0) ? [['residual', 'largest residual first', group => -group.residual]] : []),
+      ...(index.clips.some(clip => clip.findings.length > 0) ? [['findings', 'most findings first', group => -group.findings.length]] : [])];
     const order = make('select', {'aria-label': 'Sort by', onchange: () => list()}, ...orders.map(([value, text]) => make('option', {value}, text)));
     const count = make('p', {class: 'count'}), entries = make('ul', {class: 'clips'});
     let matching = groups;
     const list = () => {
       const words = search.value.toLowerCase().split(/\s+/).filter(word => word);
       const of = orders.find(o => o[0] === order.value)[2];
-      matching = groups.filter(({first}) => {
-        const text = (first.id + ' ' + first.label + ' ' + first.fine + ' ' + first.segments.map(s => s[2]).join(' ')).toLowerCase();
-        return words.every(word => text.includes(word)) && filters.every(f => f.select.value === '' && f.select.selectedIndex === 0 || f.of(first).includes(f.select.value));
+      matching = groups.filter(group => {
+        const text = group.all.map(clip => [clip.id, clip.label, clip.fine, ...clip.segments.map(s => s[2])].join(' ')).join(' ').toLowerCase();
+        return words.every(word => text.includes(word)) && filters.every(f => f.select.value === '' && f.select.selectedIndex === 0 || f.of(group).includes(f.select.value));
       });
-      matching = matching.map((group, i) => [of(group.first), i, group]).sort((a, b) => a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : a[1] - b[1])
+      matching = matching.map((group, i) => [of(group), i, group]).sort((a, b) => a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : a[1] - b[1])
         .map(row => row[2]);
       entries.replaceChildren(...matching.slice(0, MOST_LISTED).map(group => {
-        const clip = group.first, worst = clip.findings.some(f => f.severity === 'error') ? 'error' : clip.findings.length > 0 ? 'warning' : '';
+        const clip = group.first, {findings} = group, worst = findings.some(f => f.severity === 'error') ? 'error' : findings.length > 0 ? 'warning' : '';
         return make('li', {}, make('button', {type: 'button', 'data-clip': clip.id, 'aria-current': group === state.group ? 'true' : false,
           onclick: () => select(group, 0)}, make('span', {class: 'name'}, keyOf(clip)), make('span', {class: 'more'},
           [clip.label || (clip.segments.length > 0 ? clip.segments.length + ' segments' : ''), (clip.frames / clip.hz).toFixed(1) + ' s',
-            clip.residual > 0 ? clip.residual.toFixed(0) + ' mm' : ''].filter(t => t).join(' · ') + ' ',
-          ...(worst ? [make('span', {class: 'flag ' + worst}, clip.findings.length + (clip.findings.length === 1 ? ' finding' : ' findings'))] : []))));
+            group.residual > 0 ? group.residual.toFixed(0) + ' mm' : ''].filter(t => t).join(' · ') + ' ',
+          ...(worst ? [make('span', {class: 'flag ' + worst}, findings.length + (findings.length === 1 ? ' finding' : ' findings'))] : []))));
       }));
       count.textContent = matching.length === groups.length ? groups.length + (groups.length === 1 ? ' clip' : ' clips') :
         matching.length + ' of ' + groups.length + ' clips';
@@ -144,9 +150,11 @@ const mocurateViewer = (() => {
     };
 
     // What is shown.
-    const rate = () => state.shown.length > 0 ? state.shown[0].motion.clip.hz : 30;
+    /// The entry that is the longest: the slider counts its frames.
+    const lead = () => state.shown.reduce((a, b) => b.motion.clip.frames / b.motion.clip.hz > a.motion.clip.frames / a.motion.clip.hz ? b : a);
+    const rate = () => state.shown.length > 0 ? lead().motion.clip.hz : 30;
     const figureOf = entry => {
-      const {skeleton, clip} = entry.motion, skin = index.skins[skeleton.skin];
+      const {skeleton, clip} = entry.motion, skin = index.skins[clip.skin];
       if (state.figure === 'skin' && skin && entry.motion.hasRotations) return mocurateFigures.skin(skeleton, skin, clip);
       return state.figure === 'bones' ? mocurateFigures.bones(skeleton) : mocurateFigures.body(skeleton, clip, index.bodies[clip.body]);
     };
@@ -172,7 +180,7 @@ const mocurateViewer = (() => {
       let at = 0;
       for (const entry of seen) {
         const {box} = entry, wide = box.high[0] - box.low[0];
-        entry.base = beside ? [at - box.low[0], 0, -entry.motion.root[2]] : state.align === 'root' && entry !== seen[0] ?
+        entry.base = beside ? [at - box.low[0], seen[0].floor - entry.floor, -entry.motion.root[2]] : state.align === 'root' && entry !== seen[0] ?
           [0, 1, 2].map(i => i === 1 ? 0 : seen[0].motion.root[i] - entry.motion.root[i]) : [0, 0, 0];
         at += wide + 0.5;
         for (let i = 0; i < 3; ++i) {
@@ -181,9 +189,8 @@ const mocurateViewer = (() => {
         }
       }
       if (seen.length === 0) { low = [-1, 0, -1]; high = [1, 2, 1]; }
-      const floor = Math.min(0, ...seen.map(entry => entry.floor)), known = seen.map(entry => entry.floor);
       scene = {low, high, centre: low.map((v, i) => (v + high[i]) / 2), radius: Math.max(0.6, 0.5 * Math.hypot(...low.map((v, i) => high[i] - v))),
-        floor: known.length > 0 ? Math.min(...known) : floor};
+        floor: seen.length > 0 ? Math.min(...seen.map(entry => entry.floor + entry.base[1])) : 0};
     };
     const fit = () => {
       camera.target = scene.centre.slice();
@@ -232,7 +239,7 @@ const mocurateViewer = (() => {
       const width = canvas.clientWidth || 600, height = canvas.clientHeight || 400;
       stage.draw({...scene, bodies: bodiesShown, lines, grid: style('--grid'), background: style('--stage')},
         {...camera, width, height, ratio: window.devicePixelRatio || 1});
-      const frame = state.shown.length > 0 ? state.shown[0].motion.frameAt(state.time) : 0;
+      const frame = state.shown.length > 0 ? lead().motion.frameAt(state.time) : 0;
       slider.value = String(frame);
       clock.textContent = state.time.toFixed(2) + ' s, frame ' + frame;
       timeline.move(state.time);
@@ -284,7 +291,7 @@ const mocurateViewer = (() => {
     };
 
     let asked = 0;
-    const select = (group, seconds, said) => {
+    const select = (group, seconds, said, sample) => {
       const now = ++asked;
       play(false);
       state.group = group;
@@ -292,18 +299,19 @@ const mocurateViewer = (() => {
       for (const item of entries.querySelectorAll('[aria-current]')) item.removeAttribute('aria-current');
       const item = entries.querySelector('[data-clip="' + CSS.escape(group.first.id) + '"]');
       if (item) item.setAttribute('aria-current', 'true');
-      const clips = group.clips.filter(clip => clip);
+      state.sample = sample || 0;
+      const clips = group.clips(state.sample).filter(clip => clip);
       return Promise.all(clips.map(clip => mocurateParts.read(index, clip.place[0])
         .then(buffer => enter(mocurateClip(clip, index.skeletons[clip.skeleton], buffer), clip.source)))).then(shown => {
         if (now !== asked) return;  // another clip was chosen meanwhile
         state.shown = shown;
         length = Math.max(...shown.map(entry => (entry.motion.clip.frames - 1) / entry.motion.clip.hz));
-        slider.max = String(shown[0].motion.clip.frames - 1);
+        slider.max = String(lead().motion.clip.frames - 1);
         describe(group);
         const drawn = timeline.show(shown.map(entry => ({motion: entry.motion, name: index.sources[entry.source].name,
-          colour: several ? ['--after', '--right', '--good', '--before'][entry.source % 4] : '--after'})));
+          colour: several ? hex(HUES[entry.source % HUES.length]) : style('--after')})));
         root.dataset.rows = drawn.rows.concat(drawn.curves).join('|');
-        turned = group.first.yaw;
+        turned = shown[0].motion.clip.yaw;
         camera.yaw = turned + 0.6;
         camera.pitch = 0.25;
         place();
@@ -315,15 +323,19 @@ const mocurateViewer = (() => {
       }).catch(problem => { if (now === asked) say(problem.message); });
     };
     const describe = group => {
-      const clip = group.first;
+      const clip = group.clips(state.sample).find(other => other);
       heading.textContent = keyOf(clip);
+      samples.hidden = group.samples < 2;
+      samples.replaceChildren(...Array.from({length: group.samples}, (x, i) => make('option', {value: i, selected: i === state.sample},
+        'sample ' + (i + 1) + ' of ' + group.samples)));
       facts.textContent = [clip.label, clip.fine, clip.person ? 'person ' + clip.person : '', clip.part,
         clip.frames + ' frames at ' + (Math.round(clip.hz * 1000) / 1000) + ' Hz', index.skeletons[clip.skeleton].name,
         clip.has.includes('rotations') ? 'rotations' : 'joints only', clip.residual > 0 ? 'residual ' + clip.residual.toFixed(1) + ' mm' : '']
         .filter(text => text).join(' · ');
-      found.replaceChildren(...clip.findings.map(f => make('li', {class: f.severity}, button(f.code, () => { play(false); show(f.begin / clip.hz); },
-        {title: 'go to its first frame'}), ' ' + f.text)));
-      names.replaceChildren(...(several ? group.clips.map((other, i) => other && make('label', {}, make('input', {type: 'checkbox',
+      const findings = group.clips(state.sample).flatMap(other => other ? other.findings.map(f => [f, index.sources[other.source].name]) : []);
+      found.replaceChildren(...findings.map(([f, source]) => make('li', {class: f.severity}, button(f.code, () => { play(false); show(f.begin_s); },
+        {title: 'go to its first frame'}), ' ' + (several ? source + ': ' : '') + f.text)));
+      names.replaceChildren(...(several ? group.clips(state.sample).map((other, i) => other && make('label', {}, make('input', {type: 'checkbox',
         checked: !state.hidden.has(i), 'data-source': index.sources[i].name, onchange: e => {
           if (e.target.checked) state.hidden.delete(i); else state.hidden.add(i);
           relay();
@@ -333,7 +345,7 @@ const mocurateViewer = (() => {
     // Addresses, pictures, videos.
     const remember = () => {
       if (!index.page || !state.group) return;
-      const text = '#clip=' + encodeURIComponent(state.group.first.id) + '&t=' + state.time.toFixed(2);
+      const text = '#clip=' + encodeURIComponent(state.group.clips(state.sample).find(clip => clip).id) + '&t=' + state.time.toFixed(3);
       try { history.replaceState(null, '', text); } catch (e) { /* some browsers forbid it for files */ }
     };
     const copyLink = () => {
@@ -349,17 +361,21 @@ const mocurateViewer = (() => {
     };
     const save = () => { show(state.time); canvas.toBlob(blob => download(blob, fileName('png')), 'image/png'); };
     const record = () => {
-      if (state.recording) return;
-      const pieces = [], recorder = new MediaRecorder(canvas.captureStream(30), {mimeType: 'video/webm'});
+      if (state.recording || state.shown.length === 0) return;
+      const pieces = [], stream = canvas.captureStream(30), name = fileName('webm'), before = state.speed;
+      const recorder = new MediaRecorder(stream, {mimeType: 'video/webm'});
       recorder.ondataavailable = e => { if (e.data.size > 0) pieces.push(e.data); };
       recorder.onstop = () => {
         state.recording = null;
+        state.speed = before;
+        stream.getTracks().forEach(track => track.stop());
         root.dataset.recorded = String(pieces.reduce((sum, piece) => sum + piece.size, 0));
-        download(new Blob(pieces, {type: 'video/webm'}), fileName('webm'));
+        download(new Blob(pieces, {type: 'video/webm'}), name);
         say('');
       };
       play(false);
       state.time = 0;
+      state.speed = 1;
       state.recording = recorder;
       recorder.start();
       say('Recording the motion once …');
@@ -377,6 +393,7 @@ const mocurateViewer = (() => {
       camera.target[2] += unit * dx * s;
       camera.target[1] += unit * dy * up;
     };
+    const zoom = by => { camera.distance = Math.min(5 * scene.radius + 100, Math.max(0.3, camera.distance * by)); };
     const turn = (dx, dy) => {
       camera.yaw -= dx;
       camera.pitch = Math.min(1.55, Math.max(-1.55, camera.pitch + dy));
@@ -387,7 +404,7 @@ const mocurateViewer = (() => {
       const dx = e.clientX - from[0], dy = e.clientY - from[1];
       if (pointers.size === 2) {
         const other = [...pointers].find(([id]) => id !== e.pointerId)[1];
-        camera.distance *= Math.hypot(from[0] - other[0], from[1] - other[1]) / Math.max(1, Math.hypot(e.clientX - other[0], e.clientY - other[1]));
+        zoom(Math.hypot(from[0] - other[0], from[1] - other[1]) / Math.max(1, Math.hypot(e.clientX - other[0], e.clientY - other[1])));
         pan(dx / 2, dy / 2);
       } else if (e.buttons & 2 || e.shiftKey) pan(dx, dy);
       else turn(0.01 * dx, 0.01 * dy);
@@ -398,7 +415,7 @@ const mocurateViewer = (() => {
     canvas.addEventListener('contextmenu', e => e.preventDefault());
     canvas.addEventListener('wheel', e => {
       e.preventDefault();
-      camera.distance = Math.min(100, Math.max(0.3, camera.distance * Math.exp(0.001 * e.deltaY)));
+      zoom(Math.exp(0.001 * e.deltaY));
       show(state.time);
     }, {passive: false});
     const cycle = name => {
@@ -417,7 +434,7 @@ const mocurateViewer = (() => {
       End: () => frames(1e9), n: () => neighbour(1), b: () => neighbour(-1), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
       o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'),
       l: () => { state.loop = !state.loop; say(state.loop ? 'The motion repeats.' : 'The motion ends.'); },
-      '+': () => faster(1), '-': () => faster(-1), '/': () => search.focus(), '?': () => { keys.open = !keys.open; }};
+      '+': () => faster(1), '-': () => faster(-1), i: () => { zoom(0.9); show(state.time); }, u: () => { zoom(1.1); show(state.time); }, '/': () => search.focus(), '?': () => { keys.open = !keys.open; }};
     VIEWS.forEach(([, yaw, pitch], i) => { actions[i + 1] = () => lookFrom(yaw, pitch); });
     const faster = by => {
       speed.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, speed.selectedIndex + by));
@@ -425,7 +442,8 @@ const mocurateViewer = (() => {
     };
     (index.page ? document : root).addEventListener('keydown', e => {
       const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && !/^(checkbox)$/.test(e.target.type);
-      if (e.ctrlKey || e.metaKey || e.altKey || typing || e.target.tagName === 'BUTTON' && e.key === ' ' || e.target.tagName === 'SUMMARY') return;
+      const pressed = e.key === ' ' && (e.target.tagName === 'BUTTON' || e.target.type === 'checkbox');
+      if (e.ctrlKey || e.metaKey || e.altKey || typing || pressed || e.repeat && e.key === ' ' || e.target.tagName === 'SUMMARY') return;
       const turning = e.shiftKey && {ArrowLeft: [0.15, 0], ArrowRight: [-0.15, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1]}[e.key];
       const action = turning ? () => { turn(...turning); root.dataset.yaw = camera.yaw.toFixed(3); show(state.time); } : actions[e.key];
       if (!action) return;
@@ -435,23 +453,30 @@ const mocurateViewer = (() => {
 
     root.append(
       make('aside', {'aria-label': 'Clips'}, search, make('div', {class: 'filters'}, ...filters.map(f => f.select), order), count, entries),
-      make('div', {class: 'stage'}, make('div', {class: 'head'}, heading, facts, names, found), canvas, status,
+      make('div', {class: 'stage'}, make('div', {class: 'head'}, heading, facts, make('div', {}, samples, names), found), canvas, status,
         make('div', {class: 'controls'}, playButton, slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
     list();
     lasting = stage.kind === 'canvas' ? 'This browser has no WebGL: motions are drawn as bones.' : '';
     new ResizeObserver(() => requestAnimationFrame(() => { timeline.draw(); show(state.time); })).observe(canvas);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { timeline.draw(); show(state.time); });
 
+    /// The group and sample of a clip.
+    const holding = id => {
+      const group = id && groups.find(g => g.all.some(clip => clip.id === id));
+      if (!group) return [null, 0];
+      for (let i = 0; i < group.samples; ++i) if (group.clips(i).some(clip => clip && clip.id === id)) return [group, i];
+      return [group, 0];
+    };
     const wanted = () => {
       const asks = new URLSearchParams(location.hash.slice(1)), id = asks.get('clip'), t = Number(asks.get('t')) || 0;
-      const group = id && groups.find(g => g.clips.some(clip => clip && clip.id === id));
-      if (id && !group) return select(matching[0], 0, 'This page has no clip ' + id + '.');
-      return group ? select(group, t) : null;
+      const [group, sample] = holding(id);
+      if (id && !group) return select(groups[0], 0, 'This page has no clip ' + id + '.');
+      return group ? select(group, t, '', sample) : null;
     };
     if (index.page) window.addEventListener('hashchange', wanted);
     if (groups.length === 0) say('There is no motion to show: the files hold no clip with a motion.');
     else if (!(index.page && wanted())) select(matching[0], 0);
-    return {select: (id, t) => { const g = groups.find(x => x.clips.some(clip => clip && clip.id === id)); return g ? select(g, t || 0) : null; },
+    return {select: (id, t) => { const [group, sample] = holding(id); return group ? select(group, t || 0, '', sample) : null; },
       seek: show, state, camera};
   };
 })();

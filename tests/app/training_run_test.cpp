@@ -97,6 +97,23 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
     EXPECT_TRUE(fs::exists(folder / ("r/checkpoints/" + std::string(name) + ".h5"))) << name;
   }
   EXPECT_TRUE(fs::exists(folder / "r/report/clip_001.mp4"));
+  const std::string page = ReadText(folder / "r/report/index.html");
+  for (const char* link : {"href=\"viewer.html#clip=", "href=\"viewer.html\"", "href=\"generated.html\""}) {
+    EXPECT_THAT(page, HasSubstr(link));
+  }
+  const auto index = [&](const char* file) {
+    const std::string text = ReadText(folder / "r/report" / file), begin = "id=\"viewer-index\">";
+    const std::size_t at = text.find(begin) + begin.size();
+    return nlohmann::json::parse(text.substr(at, text.find("</script>", at) - at));
+  };
+  const nlohmann::json clips = index("viewer.html"), generated = index("generated.html");
+  EXPECT_EQ(clips["clips"].size(), 6u);
+  for (const nlohmann::json& clip : clips["clips"]) EXPECT_TRUE(clip.contains("points")) << "as tracked";
+  ASSERT_EQ(generated["sources"].size(), 2u);
+  EXPECT_EQ(generated["sources"][1]["name"], "Action2Motion");
+  EXPECT_EQ(std::count_if(generated["clips"].begin(), generated["clips"].end(),
+                          [](const nlohmann::json& clip) { return clip["source"] == 1 && clip["group"] == "kick"; }),
+            3);
 }
 
 TEST(TrainingRun, AFailedGeneratorLeavesTheRecognisersAndIsReported) {

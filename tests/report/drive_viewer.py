@@ -104,7 +104,8 @@ try:
         seen["turned"] = driver.execute_script("return theViewer.camera.yaw") - before
         body().send_keys(Keys.SHIFT + Keys.ARROW_LEFT)
         seen["turned_by_keys"] = driver.execute_script("return theViewer.camera.yaw") - before - seen["turned"]
-        far = driver.execute_script("return theViewer.camera.distance")
+        driver.find_element(By.CSS_SELECTOR, "input[data-option=path]").send_keys(Keys.SPACE)
+        seen["path_by_space"] = [driver.execute_script("return theViewer.state.path"), data("playing")]
         body().send_keys("1")
         seen["front"] = driver.execute_script("return theViewer.camera.yaw")
         chosen = driver.find_elements(By.CSS_SELECTOR, ".clips button")

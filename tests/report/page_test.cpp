@@ -144,8 +144,12 @@ TEST(ReportPage, LinksEveryClipThatHasAPageAndListsTheRest) {
   run.run["pages"]["test/p1/b"] = {{"page", "clip_001.html"}, {"video", "clip_001.mp4"}};
   const std::string page = PageOf(run);
   EXPECT_THAT(page, HasSubstr("<a href=\"clip_001.html\">test/p1/b</a>, <a href=\"clip_001.mp4\">video</a>"));
+  EXPECT_THAT(page, Not(HasSubstr("viewer.html")));
   EXPECT_THAT(page, HasSubstr("<th scope=\"row\">test/p1/c</th><td>15.0</td>"));
   EXPECT_LT(page.find(">test/p1/b</a>"), page.find("<th scope=\"row\">test/p1/a</th>"));
+  run.run["viewers"]["clips"] = "viewer.html";
+  run.inputs.push_back({"dataset", "dataset.h5", run.folder / "fit_b.h5", ""});
+  EXPECT_THAT(PageOf(run), HasSubstr("<a href=\"viewer.html#clip=test%2Fp1%2Fb%230-40&amp;t=0.000\">3-D</a>"));
 }
 
 TEST(ReportPage, SaysWhyADepthViewIsNotDrawnAndKeepsTheRest) {

@@ -143,6 +143,28 @@ TEST(ViewerData, TracksOfARecordingAreBroughtToTheFramesAndTheWorldOfAClip) {
   }
 }
 
+TEST(ViewerData, FindingsOfARecordingAreBroughtToTheTimeOfAClip) {
+  Clip clip = ClipOf("a", "r", Stepping(Walker(), 20));
+  clip.identity.begin_frame = 60;
+  clip.identity.end_frame = 100;
+  clip.motion->rate = clip.rate = FrameRate{15, 1};
+  clip.provenance[kRecordedRate] = "30";
+  const auto about = [](const char* code, int begin, int end) {
+    return FindingOfFrames(code, begin, end, 1.0, "text", FindingAction::kFlagged);
+  };
+  const auto found =
+      FindingsOf(clip, {{clip.id(), {about("own", 3, 6)}},
+                        {RecordingOf(clip.id()),
+                         {about("before", 0, 60), about("in", 75, 90), about("over", 50, 61), about("whole", 0, 0)}},
+                        {"a/p1/other", {about("other", 0, 9)}}});
+  ASSERT_EQ(found.size(), 4U);
+  const std::vector<std::array<double, 2>> seconds = {{0.2, 0.4}, {0.5, 1.0}, {0.0, 1.0 / 30.0}, {0.0, 0.0}};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_NEAR(found[i].begin_s, seconds[i][0], 1e-9) << found[i].finding.code;
+    EXPECT_NEAR(found[i].end_s, seconds[i][1], 1e-9) << found[i].finding.code;
+  }
+}
+
 /// Datasets, and the page that the stage makes of them.
 struct Viewed {
   ScratchFolder folder;
@@ -268,6 +290,7 @@ TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   EXPECT_NEAR(seen["turned"], -1.0, 0.05);
   EXPECT_NEAR(seen["turned_by_keys"], -0.15, 1e-6);
   EXPECT_NEAR(seen["front"], 0.0, 1e-3) << "the person faces +z";
+  EXPECT_EQ(seen["path_by_space"], (nlohmann::json{false, "false"})) << "the box, and whether the motion plays";
   EXPECT_EQ(seen["listed"], 3) << "clips of both sets stand together";
   EXPECT_EQ(seen["second"], "raw/p1/r1#0-50");
   EXPECT_EQ(seen["second_time"], "0.000");
@@ -310,9 +333,12 @@ TEST(ViewerInABrowser, PartsBesideThePageAreReadAndWhatIsAmissIsSaid) {
   };
   write("other part", page, changed(part, "take(1,", "take(2,"));
   write("cut part", page, part.substr(0, 100));
+  write("foreign part", page, changed(part, "take(1,\"", "take(1,\"0"));
+  write("damaged part", page, changed(part, ",0,\"", ",0,\"!!"));
   write("other page", changed(page, "\"schema\":1", "\"schema\":9"), part);
-  const nlohmann::json seen = viewed.Drive("look", {"page", "other part", "cut part", "other page"});
-  ASSERT_EQ(seen.size(), 4U);
+  const nlohmann::json seen =
+      viewed.Drive("look", {"page", "other part", "cut part", "foreign part", "damaged part", "other page"});
+  ASSERT_EQ(seen.size(), 6U);
   EXPECT_GT(seen[0]["coloured"], 3000);
   for (std::size_t i = 1; i < seen.size(); ++i) {
     EXPECT_TRUE(seen[i]["clip"].is_null()) << seen[i];
