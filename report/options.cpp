@@ -93,7 +93,7 @@ StageDeclaration AnnotateDeclaration() { return {"annotate", 7, "mocurate-annota
 
 StageDeclaration SurveyDeclaration() { return {"survey", 5, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ViewDeclaration() { return {"view", 2, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ViewDeclaration() { return {"view", 3, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration ClipPageDeclaration() { return {"clip_page", 12, "mocurate-annotate", ClipLimits()}; }
 

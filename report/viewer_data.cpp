@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kTenths = 1e4;  // of a millimetre in a metre
 constexpr double kMost16 = 32767.0;
+const Vector3d kNowhere = Vector3d::Constant(std::nan(""));
 constexpr int kMostUnit = 100;  // a point may be 327 m from its root
 
 std::uint16_t Bits16(double value) { return static_cast<std::uint16_t>(std::lround(value)); }
@@ -76,7 +77,12 @@ std::string Packed(const ViewedClip& viewed, int unit) {
     roots.push_back(root.cast<float>().cast<double>());
   }
   for (int f = 0; f < frames; ++f) {
-    for (int j = 0; j < joints; ++j) AppendPlace(motion.joints.at(f, j) - roots[f], step, bytes);
+    for (int j = 0; j < joints; ++j) {
+      // Tracks without a fit: a joint that was not observed for long is not known; the root may be the hips' middle.
+      const bool gap = motion.joints_only() && j > 0 && !motion.state.empty() &&
+                       motion.state[static_cast<std::size_t>(f) * joints + j] == JointState::kInferred;
+      AppendPlace(gap ? kNowhere : Vector3d(motion.joints.at(f, j) - roots[f]), step, bytes);
+    }
   }
   Pad(bytes);
   for (std::size_t i = 0; i < motion.rotation.size(); ++i) {
@@ -89,9 +95,8 @@ std::string Packed(const ViewedClip& viewed, int unit) {
   if (viewed.tracks != nullptr) {
     for (int f = 0; f < frames; ++f) {
       for (int k = 0; k < viewed.tracks->positions.joints; ++k) {
-        const Vector3d gap = Vector3d::Constant(std::nan(""));
-        AppendPlace(Observes(*viewed.tracks, f, k) ? Vector3d(viewed.tracks->positions.at(f, k) - roots[f]) : gap, step,
-                    bytes);
+        const bool seen = Observes(*viewed.tracks, f, k);
+        AppendPlace(seen ? Vector3d(viewed.tracks->positions.at(f, k) - roots[f]) : kNowhere, step, bytes);
       }
     }
     Pad(bytes);

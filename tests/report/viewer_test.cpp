@@ -102,6 +102,8 @@ TEST(ViewerData, MissingJointsAreGapsAndFarOnesWidenTheStep) {
   motion.bone_length.clear();
   motion.joints.at(1, 4) = Vector3d::Constant(std::nan(""));
   motion.joints.at(2, 5) = Vector3d(0.0, 0.95, 3.0 + 20.0);
+  motion.state.assign(27, JointState::kObserved);
+  motion.state[0] = motion.state[3] = JointState::kInferred;  // a root is drawn nevertheless
   std::string bytes;
   ViewerData data([&](int, const std::string& part) {
     bytes = part;
@@ -111,11 +113,14 @@ TEST(ViewerData, MissingJointsAreGapsAndFarOnesWidenTheStep) {
   ASSERT_TRUE(data.Add(data.AddSource("a"), {clip}));
   ASSERT_TRUE(data.Finish());
   const nlohmann::json entry = data.Index()["clips"][0];
-  EXPECT_TRUE(entry["has"].empty());
+  EXPECT_EQ(entry["has"], (nlohmann::json{"state"}));
   EXPECT_EQ(entry["unit"], 7);
   std::size_t at = 36;
   const auto places = Next<std::int16_t>(bytes, at, 81);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(places[3 * (9 + 4) + i], -32768);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(places[i], 0);
+    for (const int missing : {3, 9 + 4}) EXPECT_EQ(places[3 * missing + i], -32768);
+  }
   EXPECT_NEAR(places[3 * (18 + 5) + 2] * 7e-4, 20.0, 4e-4);
 }
 
