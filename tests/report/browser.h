@@ -12,11 +12,18 @@ namespace mocurate::test {
 
 inline constexpr const char* kChromium = "/usr/bin/chromium";
 
-/// Where the recorded data are available, a missing browser is a failure.
-inline bool HasBrowser() {
-  if (std::filesystem::exists(kChromium)) return true;
-  EXPECT_EQ(std::getenv("MOCURATE_DATA"), nullptr) << kChromium << " is missing: install chromium";
+/// Where the recorded data are available, a missing program is a failure.
+inline bool HasProgram(const char* program) {
+  if (std::filesystem::exists(program)) return true;
+  EXPECT_EQ(std::getenv("MOCURATE_DATA"), nullptr) << program << " is missing: scripts/install.sh tests";
   return false;
+}
+
+inline bool HasBrowser() { return HasProgram(kChromium); }
+
+/// Chromium that tests work by keys and clicks.
+inline bool HasDrivenBrowser() {
+  return HasBrowser() && HasProgram("/usr/bin/chromedriver") && HasProgram("/usr/lib/python3/dist-packages/selenium");
 }
 
 /// Opens index.html of the folder in a browser without network access; its document and its log are written to files.

@@ -36,7 +36,7 @@ def data(name):
 
 
 def until(condition):
-    WebDriverWait(driver, 30, poll_frequency=0.05).until(lambda _: condition())
+    WebDriverWait(driver, 60, poll_frequency=0.05).until(lambda _: condition())
 
 
 def status():

@@ -222,7 +222,7 @@ struct Viewed {
 
   /// What tests/report/drive_viewer.py saw.
   nlohmann::json Drive(const std::string& how, const std::vector<std::string>& pages = {"page"}) const {
-    std::string command = "LC_ALL=C timeout 120 /usr/bin/python3 '" + std::string(kSourceFolder) +
+    std::string command = "LC_ALL=C timeout 240 /usr/bin/python3 '" + std::string(kSourceFolder) +
                           "/tests/report/drive_viewer.py' '" + (folder / "profile").string() + "' " + how;
     for (const std::string& page : pages) command += " '" + (folder / page).string() + "/index.html'";
     command += " > '" + (folder / "seen.json").string() + "' 2> '" + (folder / "log.txt").string() + "'";
@@ -274,7 +274,7 @@ TEST(Viewer, EvidenceOfARunStandsBesideItsMotion) {
 }
 
 TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
-  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  if (!HasDrivenBrowser()) GTEST_SKIP() << "chromium, its driver or selenium is missing";
   Viewed viewed;
   viewed.with_evidence = true;
   ASSERT_TRUE(viewed.Make());
@@ -309,7 +309,7 @@ TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
 }
 
 TEST(ViewerInABrowser, WithoutWebGlBonesAreDrawnOnACanvas) {
-  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  if (!HasDrivenBrowser()) GTEST_SKIP() << "chromium, its driver or selenium is missing";
   Viewed viewed;
   ASSERT_TRUE(viewed.Make());
   const nlohmann::json seen = viewed.Drive("flat")[0];
@@ -319,7 +319,7 @@ TEST(ViewerInABrowser, WithoutWebGlBonesAreDrawnOnACanvas) {
 }
 
 TEST(ViewerInABrowser, PartsBesideThePageAreReadAndWhatIsAmissIsSaid) {
-  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  if (!HasDrivenBrowser()) GTEST_SKIP() << "chromium, its driver or selenium is missing";
   Viewed viewed;
   viewed.options.page_bytes = 0.0;
   viewed.options.beside = ".";
