@@ -344,7 +344,10 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
                  [](const StageInput& given) { return given.role == "generated"; });
     const Status viewed = WriteViewers(run, generated, runs, folder, result);
     if (!viewed && viewed.error().code == ErrorCode::kInterrupted) return viewed;
-    if (!viewed) LogWarning("the report has no page of the viewer: " + viewed.error().Message());
+    if (!viewed) {
+      result.viewers["failed"] = viewed.error().Message();
+      LogWarning("the report has no page of the viewer: " + viewed.error().Message());
+    }
   }
   if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;
   const auto page = runs.One(ReportDeclaration(), std::move(item));

@@ -40,14 +40,16 @@ Expected<fs::path> MotionsOf(const fs::path& path) {
   return dataset;
 }
 
-/// Evidence of a run's recordings as inputs, where the cache still has it.
-std::vector<StageInput> EvidenceOfRun(const fs::path& run, const std::string& source) {
+/// Evidence of a run's recordings as inputs, where the cache still has it; `lost` counts those that it has not.
+std::vector<StageInput> EvidenceOfRun(const fs::path& run, const std::string& source, long long& lost) {
   std::vector<StageInput> inputs;
   const Cache cache(DefaultCacheFolder());
   for (const auto& [item, entry] : JournalOf(run, IngestDeclaration().name)) {
     const auto found = cache.Find(entry.value("key", ""));
     if (found && !found->artifact.empty())
       inputs.push_back({"evidence of " + source, item, found->artifact, found->sha256});
+    else if (!found)
+      ++lost;
   }
   return inputs;
 }
@@ -67,7 +69,7 @@ bool OpenPage(const fs::path& page) {
   _exit(127);
 }
 
-/// A page in a folder of its own that nobody else can write; it stays until temporary files are cleared.
+/// A page in a folder of its own that only its owner can write; it stays until temporary files are cleared.
 Expected<fs::path> TemporaryPage(const std::string& name) {
   std::error_code unknown;
   std::string folder = (fs::temp_directory_path(unknown) / "mocurate-view-XXXXXX").string();
@@ -105,6 +107,7 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
   options.skin_if_it_fits = arguments.body.empty();
   ItemSpec item{"view", OptionsToJson(options), {}};
   std::set<std::string> taken;
+  long long lost = 0;
   for (const std::string& text : arguments.motions) {
     const NamedPath named = NamedRow(text, taken);
     const auto path = MotionsOf(named.path);
@@ -117,7 +120,7 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
     if (!motions) return Forward(motions);
     item.inputs.push_back(std::move(*motions));
     if (*path == named.path) continue;
-    for (StageInput& evidence : EvidenceOfRun(named.path, named.name)) item.inputs.push_back(std::move(evidence));
+    for (StageInput& evidence : EvidenceOfRun(named.path, named.name, lost)) item.inputs.push_back(std::move(evidence));
   }
   if (const fs::path body = arguments.body.empty() ? PassableBody() : arguments.body; !body.empty()) {
     item.inputs.push_back({"body", body.filename().string(), body, ""});
@@ -131,6 +134,11 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
   const bool opened = !kept && !common.json && OpenPage(page);
   nlohmann::json answer = made->summary;
   answer["page"] = DisplayPath(page);
+  answer["evidence_not_cached"] = lost;
+  if (lost > 0) {
+    LogWarning("the cache no longer has the evidence of " + Counted(lost, "recording") +
+               ": it is not shown; run again");
+  }
   if (!AnswersInText(common, answer)) return {};
   Print("%s in %s%s\n", Counted(answer.at("clips").get<long long>(), "clip").c_str(), DisplayPath(page).c_str(),
         opened ? "" : "; open it in a browser");

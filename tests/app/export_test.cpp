@@ -344,7 +344,7 @@ TEST(View, WritesAPageOfFilesAndRunsAndRefusesOthers) {
   EXPECT_THAT(ReadFile(page).value_or(""), HasSubstr("\"name\":\"raw\""));
   EXPECT_EQ(view({file, "-o", page}).exit_code, 2) << "it is there";
   EXPECT_EQ(view({file, "-o", page, "--force", "--clip", set.clips[1].id()}).Json()["clips"], 1);
-  EXPECT_EQ(view({file, "-o", page, "--force", "--clip", "nobody"}).exit_code, 3);
+  EXPECT_EQ(view({file, "-o", page, "--force", "--clip", "unknown"}).exit_code, 3);
   EXPECT_EQ(view({file, "-o", folder / "page.svg"}).exit_code, 2);
   EXPECT_EQ(view({folder / "none.h5", "-o", page, "--force"}).exit_code, 3);
   EXPECT_EQ(view({file, "-o", page, "--force", "--body", file}).exit_code, 3) << "no body";

@@ -132,7 +132,7 @@ try:
         driver.refresh()
         until(lambda: data("clip") is not None)
         seen["linked"], seen["linked_time"] = data("clip"), data("time")
-        driver.get("file://" + page + "#clip=nobody")
+        driver.get("file://" + page + "#clip=unknown")
         until(lambda: status() != "")
         seen["unknown"] = status()
         seen["console"] = [entry["message"] for entry in driver.get_log("browser") if entry["level"] in ("SEVERE", "ERROR")]

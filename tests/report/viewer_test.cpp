@@ -250,7 +250,7 @@ TEST(Viewer, ClipsAreChosenAndWhatShowsNothingIsRefused) {
   Viewed viewed;
   viewed.options.clips = {"r1"};
   EXPECT_EQ(viewed.Make()->summary["clips"], 2);
-  viewed.options.clips = {"nobody"};
+  viewed.options.clips = {"unknown"};
   EXPECT_EQ(viewed.Make().error().code, ErrorCode::kNotFound);
   viewed.options.clips = {};
   for (Dataset& set : viewed.sets) set.clips.clear();
