@@ -113,20 +113,16 @@ nlohmann::json JsonOf(const AuditFinding& found) {
   for (const SplitParts& in : found.parts) {
     parts.push_back({{"split", in.split}, {"part", in.part}, {"other", in.other}});
   }
-  const Finding& finding = found.finding;
-  return {{"clip", finding.clip},
-          {"code", finding.code},
-          {"severity", Name(finding.severity)},
-          {"frame_begin", finding.frame_begin},
-          {"frame_end", finding.frame_end},
-          {"value", finding.value},
-          {"suggested", found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested)},
-          {"safe_to_drop", found.safe_to_drop.empty() ? nlohmann::json() : nlohmann::json(found.safe_to_drop)},
-          {"parts", std::move(parts)},
-          {"message", finding.message}};
+  nlohmann::json json = found.finding;
+  json["suggested"] = found.suggested.empty() ? nlohmann::json() : nlohmann::json(found.suggested);
+  json["safe_to_drop"] = found.safe_to_drop.empty() ? nlohmann::json() : nlohmann::json(found.safe_to_drop);
+  json["parts"] = std::move(parts);
+  return json;
 }
 
-/// A line per clip: id, label, person, fingerprint, margin of its label, and its measures; null where it lacks one.
+/// A line per clip: id, label, person, fingerprint, margin of its label, its measures, place in the map of the set and
+/// ids of the nearest clips; null where it lacks one.
+constexpr std::size_t kNearest = 4;
 nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
                          const std::map<std::string, NearestClass>& nearest) {
   nlohmann::json clips = nlohmann::json::array();
@@ -141,7 +137,17 @@ nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<d
       const double value = measures[i][k];
       line[MeasuresOfClips()[k].name] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
     }
+    line["map_x"] = line["map_y"] = line["nearest"] = nullptr;
     clips.push_back(std::move(line));
+  }
+  const ClipMap map = MapClips(dataset, kNearest);
+  for (std::size_t i = 0; i < map.rows.size(); ++i) {
+    nlohmann::json& line = clips[static_cast<std::size_t>(map.rows[i])];
+    const auto rounded = [](float value) { return std::round(1e4 * static_cast<double>(value)) / 1e4; };
+    line["map_x"] = rounded(map.places[i].x());
+    line["map_y"] = rounded(map.places[i].y());
+    line["nearest"] = nlohmann::json::array();
+    for (const int near : map.nearest[i]) line["nearest"].push_back(dataset.clips[static_cast<std::size_t>(near)].id());
   }
   return clips;
 }

@@ -217,6 +217,6 @@ void AuditOptions::Declare(OptionVisitor& v) {
 StageDeclaration LevelDeclaration() { return {"level", 3, "mocurate-annotate", WholeSetLimits()}; }
 StageDeclaration CanonDeclaration() { return {"canon", 19, "mocurate-annotate", ClipLimits()}; }
 StageDeclaration AssembleDeclaration() { return {"assemble", 15, "mocurate-annotate", WholeSetLimits()}; }
-StageDeclaration AuditDeclaration() { return {"audit", 6, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AuditDeclaration() { return {"audit", 7, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

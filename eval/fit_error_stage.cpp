@@ -5,8 +5,8 @@
 
 #include "core/base/file.h"
 #include "core/base/text.h"
-#include "core/motion/operations.h"
 #include "core/store/store.h"
+#include "core/store/truth_motions.h"
 #include "eval/metrics/fit_error.h"
 #include "eval/stages.h"
 
@@ -14,39 +14,16 @@ namespace mocurate {
 namespace {
 
 struct Inputs {
-  std::map<std::string, Motion> truth;
+  TruthMotions truth;
   std::map<std::string, Clip> fits;      ///< by clip id
   std::map<std::string, Clip> evidence;  ///< by clip id
 };
-
-/// Back to the world of the source, in which the truth is.
-void UndoCanonical(Clip& clip) {
-  const RigidTransform& moved = clip.canonical_from_source;
-  if (moved.translation.isZero(0.0) && moved.rotation.coeffs() == Quaterniond::Identity().coeffs()) return;
-  Transform(Inverse(moved), clip);
-}
-
-/// A file of ground truth, or a dataset or MotionSet as the truth.
-Status AddTruth(const std::filesystem::path& path, std::map<std::string, Motion>& motions) {
-  auto truth = ReadTruth(path);
-  if (truth) {
-    motions.merge(truth->motion);
-    return {};
-  }
-  auto dataset = ReadDataset(path);
-  if (!dataset) return Forward(truth);
-  for (Clip& clip : dataset->clips) {
-    UndoCanonical(clip);
-    motions.emplace(clip.id(), *std::move(clip.motion));
-  }
-  return {};
-}
 
 Expected<Inputs> ReadInputs(const StageRequest& request) {
   Inputs inputs;
   for (const StageInput& input : request.inputs) {
     if (input.role == "truth") {
-      if (Status added = AddTruth(input.path, inputs.truth); !added) return Forward(added);
+      if (Status added = inputs.truth.Add(input.path); !added) return Forward(added);
     } else if (input.role == "fit") {
       auto dataset = ReadDataset(input.path);
       if (!dataset) return Forward(dataset);
@@ -63,28 +40,6 @@ Expected<Inputs> ReadInputs(const StageRequest& request) {
     }
   }
   return inputs;
-}
-
-/// The truth of a fitted clip, at its rate: of the same id, or frames of the truth of its whole recording.
-std::optional<Motion> TruthOf(const Clip& fitted, const std::map<std::string, Motion>& truth) {
-  const std::string id = fitted.id();
-  const bool resampled = fitted.provenance.count(kRecordedRate) > 0;
-  const auto at_rate = [&](const Motion& motion) {
-    Clip clip;
-    clip.motion = motion;
-    return resampled ? Resample(clip, fitted.motion->rate) : clip;
-  };
-  if (const auto same = truth.find(id); same != truth.end()) return at_rate(same->second).motion;
-  const std::string recording = id.substr(0, id.rfind('#') + 1) + "0-";
-  const auto whole = truth.lower_bound(recording);
-  if (whole == truth.end() || whole->first.compare(0, recording.size(), recording) != 0) return std::nullopt;
-  int begin = fitted.identity.begin_frame, end = fitted.identity.end_frame;
-  if (resampled) {
-    begin = static_cast<int>(std::lround(begin * fitted.motion->rate.hz() / whole->second.rate.hz()));
-    end = begin + fitted.motion->frame_count();
-  }
-  const Expected<Clip> cut = Cut(at_rate(whole->second), begin, end);
-  return cut ? cut->motion : std::nullopt;
 }
 
 /// "joint_tracks", "keypoints", "depth_views", "point_clouds", joined by "+"; "motion" without any of them.
@@ -154,7 +109,8 @@ nlohmann::json FitErrorJson(const FitError& error) {
                          {"evidence_mm", error.evidence_mm},
                          {"rotation_deg", error.rotation_deg},
                          {"bone_direction_deg", error.bone_direction_deg},
-                         {"frames", error.frames}};
+                         {"frames", error.frames},
+                         {"joints_mm", error.joints_mm}};
   const Calibration positions = error.sigma.All().positions.calibration;
   if (positions.components == 0) return json;
   json["within_one_sigma"] = *positions.within_one_sigma();
@@ -165,11 +121,6 @@ nlohmann::json FitErrorJson(const FitError& error) {
   return json;
 }
 
-template <class Value>
-std::string FirstId(const std::map<std::string, Value>& by_id) {
-  return by_id.empty() ? "none" : "'" + by_id.begin()->first + "'";
-}
-
 }  // namespace
 
 Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
@@ -178,11 +129,13 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   nlohmann::json per_clip = nlohmann::json::object(), without_truth = nlohmann::json::array();
   FitError total;
   std::map<std::string, SigmaByPart> by_kind;
+  std::map<std::string, std::pair<double, int>> joints;        // sum over frames, frames
+  std::map<std::string, std::tuple<double, int, int>> labels;  // and clips
   std::map<NotMeasured, long long> not_measured;
   std::optional<Error> first_error;
   const Evidence none;
   for (const auto& [id, fitted] : inputs->fits) {
-    const std::optional<Motion> truth = TruthOf(fitted, inputs->truth);
+    const std::optional<Motion> truth = inputs->truth.Of(fitted);
     if (!truth) {
       without_truth.push_back(id);
       continue;
@@ -200,6 +153,14 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
     for (const auto& reason : {error->no_positions, error->no_rotations}) {
       if (reason) ++not_measured[*reason];
     }
+    for (const auto& [joint, mm] : error->joints_mm) {
+      joints[joint].first += mm * error->frames;
+      joints[joint].second += error->frames;
+    }
+    auto& [label_mm, label_frames, label_clips] = labels[fitted.label];
+    label_mm += error->joint_mm * error->frames;
+    label_frames += error->frames;
+    ++label_clips;
     total.frames += error->frames;
     total.joint_mm += error->joint_mm * error->frames;
     total.evidence_mm += error->evidence_mm * error->frames;
@@ -209,12 +170,18 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   if (total.frames == 0 && first_error) return tl::unexpected<Error>(*first_error);
   if (total.frames == 0) {
     return Fail(ErrorCode::kInconsistent,
-                "no fitted clip has a truth of its id: the first fit is " + FirstId(inputs->fits) +
-                    ", the first truth " + FirstId(inputs->truth),
+                "no fitted clip has a truth of its id: the first fit is " +
+                    (inputs->fits.empty() ? "none" : "'" + inputs->fits.begin()->first + "'") + ", the first truth " +
+                    inputs->truth.FirstId(),
                 "fit_error", "use the truth of the same capture");
   }
   for (double* sum : {&total.joint_mm, &total.evidence_mm, &total.rotation_deg, &total.bone_direction_deg}) {
     *sum /= total.frames;
+  }
+  for (const auto& [joint, sum] : joints) total.joints_mm[joint] = sum.first / sum.second;
+  nlohmann::json by_label = nlohmann::json::object();
+  for (const auto& [label, sum] : labels) {
+    by_label[label] = {{"joint_mm", std::get<0>(sum) / std::get<1>(sum)}, {"clips", std::get<2>(sum)}};
   }
   nlohmann::json by_evidence = nlohmann::json::object();
   for (const auto& [kind, sigma] : by_kind) {
@@ -224,6 +191,7 @@ Expected<StageOutcome> FitErrorStage(const StageRequest& request) {
   StageOutcome outcome;
   outcome.summary = FitErrorJson(total);
   outcome.summary["clips"] = per_clip.size();
+  outcome.summary["labels"] = std::move(by_label);
   outcome.summary["sigma"] = {{"large_error_mm", kLargeErrorMm},
                               {"groups", GroupsJson(total.sigma)},
                               {"by_evidence", std::move(by_evidence)},

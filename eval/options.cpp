@@ -307,6 +307,6 @@ void ScoreOptions::Declare(OptionVisitor& v) {
 StageDeclaration FeaturesDeclaration() { return {"features", 11, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration ScoreDeclaration() { return {"score", 6, "mocurate-learn", WholeSetLimits()}; }
 StageDeclaration CompareDeclaration() { return {"compare", 5, "mocurate-learn", WholeSetLimits()}; }
-StageDeclaration FitErrorDeclaration() { return {"fit_error", 5, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration FitErrorDeclaration() { return {"fit_error", 6, "mocurate-annotate", WholeSetLimits()}; }
 
 }  // namespace mocurate

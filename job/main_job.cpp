@@ -355,6 +355,7 @@ class MainJob {
     const auto audit = runs_.One(AuditDeclaration(), std::move(item));
     if (!audit) return Forward(audit);
     result_.audit = audit->summary;
+    audit_ = *audit;
     return {};
   }
 
@@ -444,7 +445,8 @@ class MainJob {
   Status Report() {
     if (dataset_.artifact.empty() || DryRun()) return {};
     if (Status made = MakeFolder(folder() / "report"); !made) return made;
-    return WriteReport({options_, clips_, persons_, dataset_, networks_, Fits()}, runs_, folder(), result_);
+    return WriteReport({options_, clips_, persons_, dataset_, audit_, truth_, networks_, Fits()}, runs_, folder(),
+                       result_);
   }
 
   JobOptions options_;
@@ -466,7 +468,7 @@ class MainJob {
   std::vector<TrainedNetwork> networks_;
   std::vector<DenoisedSet> denoised_;  ///< the dataset encoded and decoded by networks
   nlohmann::json recognition_;         ///< rows of the table of recognisers
-  ItemResult dataset_, baseline_;
+  ItemResult dataset_, baseline_, audit_;
   std::vector<Finding> comparison_;  ///< why there is no comparison
 };
 

@@ -10,7 +10,6 @@
 #include "core/motion/action_parts.h"
 #include "core/motion/request.h"
 #include "core/store/dataset_clips.h"
-#include "ingest/formats/driver.h"
 #include "job/run_folder.h"
 #include "job/stage_runs.h"
 #include "job/viewer_files.h"
@@ -45,36 +44,14 @@ std::vector<const ClipRecord*> ClipsToDraw(const std::vector<ClipRecord>& clips,
   return chosen;
 }
 
-/// Adds the inputs for drawing a clip: evidence, depth images and, if there is one, the fit.
-void AddDrawing(const ClipRecord& clip, bool fitted, ItemSpec& item) {
-  item.inputs.push_back(InputFrom("evidence", clip.evidence));
-  if (fitted) item.inputs.push_back(InputFrom("fit", clip.motion));
-  item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
-}
-
-/// Pictures beside the page of a run: the middle fit, alone and, with depth views, over them and in its cloud.
-std::vector<ItemSpec> PictureItems(const std::vector<ClipRecord>& clips) {
-  std::vector<ItemSpec> items;
-  const auto drawn = ClipsToDraw(clips, 3);
-  if (drawn.empty()) return items;
-  const ClipRecord& clip = *drawn[drawn.size() / 2];
-  const bool has_images = !clip.depth.empty() && DriverOf(clip.format).gives != EvidenceKind::kPointClouds;
-  for (const char* kind : {"clip", "overlay", "cloud"}) {
-    if (!has_images && std::string(kind) != "clip") continue;
-    items.push_back({kind, {{"kind", kind}}, {}});
-    AddDrawing(clip, true, items.back());
-  }
-  return items;
-}
-
 /// "clip_001.html" of the first.
 std::string ClipFileName(std::size_t index, const char* extension) {
   return "clip_" + ZeroPadded(static_cast<int>(index) + 1, 3) + "." + extension;
 }
 
 ItemSpec ClipItem(const ClipRecord& clip, nlohmann::json options) {
-  ItemSpec item{clip.item, std::move(options), {}};
-  AddDrawing(clip, true, item);
+  ItemSpec item{clip.item, std::move(options), {InputFrom("evidence", clip.evidence), InputFrom("fit", clip.motion)}};
+  item.inputs.insert(item.inputs.end(), clip.depth.begin(), clip.depth.end());
   return item;
 }
 
@@ -210,11 +187,10 @@ Expected<std::vector<MotionRequest>> ContinuedSamples(const ItemResult& dataset)
   return requests;
 }
 
-/// Adds motions of each class by the first seed of each generator, as inputs "generated" of the report. A failure only
-/// removes its strips.
-Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, JobResult& result) {
+/// Motions of each class by the first seed of each generator. One that fails is missing.
+Expected<std::vector<StageInput>> GeneratedMotions(const ReportedRun& run, StageRuns& runs, JobResult& result) {
   const TemporaryFolder scratch;
-  if (scratch.path().empty()) return scratch.Missing();
+  if (scratch.path().empty()) return Forward(scratch.Missing());
   std::vector<ItemSpec> items;
   std::vector<std::string> names;
   for (const TrainedNetwork& network : run.networks) {
@@ -240,7 +216,7 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
       requests.push_back(std::move(request));
     }
     const auto file = scratch.path() / ("requests_" + std::to_string(network.network) + ".json");
-    if (Status written = WriteRequests(requests, file); !written) return written;
+    if (Status written = WriteRequests(requests, file); !written) return Forward(written);
     StageInput generator = network.checkpoint;
     generator.role = "generator";
     items.push_back({"generated/" + options.name, nlohmann::json::object(), {generator}});
@@ -248,7 +224,8 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
     if (continues) items.back().inputs.push_back(InputFrom("previous", run.dataset));
     names.push_back(options.name);
   }
-  if (items.empty()) return {};
+  std::vector<StageInput> generated;
+  if (items.empty()) return generated;
   const auto motions = runs.Run(GenerateDeclaration(), std::move(items));
   if (!motions) return Forward(motions);
   for (std::size_t i = 0; i < motions->items.size(); ++i) {
@@ -256,10 +233,10 @@ Status AddGenerated(const ReportedRun& run, StageRuns& runs, ItemSpec& report, J
       result.ungenerated[names[i]] = motions->items[i].outcome.error;
       continue;
     }
-    report.inputs.push_back(InputFrom("generated", motions->items[i]));
-    report.inputs.back().name = names[i];
+    generated.push_back(InputFrom("motions", motions->items[i]));
+    generated.back().name = names[i];
   }
-  return {};
+  return generated;
 }
 
 /// A page of the viewer beside the report.
@@ -283,37 +260,33 @@ Status WriteViewers(const ReportedRun& run, const std::vector<StageInput>& gener
   for (const ClipRecord& clip : run.clips) {
     if (!clip.kept()) continue;
     all.inputs.push_back(InputFrom("evidence of dataset", clip.evidence));
+    for (StageInput depth : run.options.report.clouds ? clip.depth : std::vector<StageInput>()) {
+      depth.role = "depth of dataset";
+      all.inputs.push_back(std::move(depth));
+    }
+  }
+  if (!run.audit.artifact.empty()) all.inputs.push_back(InputFrom("audit of dataset", run.audit));
+  for (StageInput truth : run.truth) {
+    truth.role = "truth of dataset";
+    all.inputs.push_back(std::move(truth));
   }
   ViewerOptions options;
   options.title = run.options.name;
+  options.clouds = run.options.report.clouds;
   if (Status written = WriteViewer(std::move(all), options, folder / "report" / kViewerPage, runs); !written)
     return written;
   result.viewers["clips"] = kViewerPage;
   if (generated.empty()) return {};
   dataset.name = "Real";
   ItemSpec beside{"generated_viewer", {}, {dataset}};
-  for (StageInput motions : generated) {
-    motions.role = "motions";
-    beside.inputs.push_back(std::move(motions));
-  }
+  beside.inputs.insert(beside.inputs.end(), generated.begin(), generated.end());
   options.title = run.options.name + ": generated motions";
+  options.clouds = false;
   options.per_label = kSamples;
   if (Status written = WriteViewer(std::move(beside), options, folder / "report" / kGeneratedPage, runs); !written) {
     return written;
   }
   result.viewers["generated"] = kGeneratedPage;
-  return {};
-}
-
-Status WritePictures(const std::vector<ClipRecord>& clips, StageRuns& runs, const std::filesystem::path& folder) {
-  const auto report = runs.Run(PictureDeclaration(), PictureItems(clips));
-  if (!report) return Forward(report);
-  for (const ItemResult& item : report->items) {
-    if (item.artifact.empty()) continue;
-    if (Status copied = CopyWhole(item.artifact, folder / "report" / (item.item + ".png")); !copied) {
-      return copied;
-    }
-  }
   return {};
 }
 
@@ -333,16 +306,14 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
   ItemSpec item{"report", OptionsToJson(run.options.report), {}};
   item.inputs.push_back({"run", "run.json", input, ""});
   item.inputs.push_back(InputFrom("dataset", run.dataset));
-  for (const TrainedNetwork& network : run.networks) item.inputs.push_back(network.checkpoint);
   for (const ClipRecord* clip : ClipsToDraw(run.clips, kDrawnFits)) {
-    AddDrawing(*clip, run.fits, item);
+    item.inputs.push_back(InputFrom("evidence", clip->evidence));
+    if (run.fits) item.inputs.push_back(InputFrom("fit", clip->motion));
   }
-  if (Status generated = AddGenerated(run, runs, item, result); !generated) return generated;
   if (run.options.report.viewer) {
-    std::vector<StageInput> generated;
-    std::copy_if(item.inputs.begin(), item.inputs.end(), std::back_inserter(generated),
-                 [](const StageInput& given) { return given.role == "generated"; });
-    const Status viewed = WriteViewers(run, generated, runs, folder, result);
+    const auto generated = GeneratedMotions(run, runs, result);
+    if (!generated) return Forward(generated);
+    const Status viewed = WriteViewers(run, *generated, runs, folder, result);
     if (!viewed && viewed.error().code == ErrorCode::kInterrupted) return viewed;
     if (!viewed) {
       result.viewers["failed"] = viewed.error().Message();
@@ -354,8 +325,7 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
   if (!page) return Forward(page);
   if (page->artifact.empty()) return {};
   result.report = folder / "report/index.html";
-  if (Status copied = CopyWhole(page->artifact, result.report); !copied) return copied;
-  return run.fits ? WritePictures(run.clips, runs, folder) : Status();
+  return CopyWhole(page->artifact, result.report);
 }
 
 }  // namespace mocurate

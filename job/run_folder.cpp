@@ -47,10 +47,7 @@ constexpr Output kOutputs[] = {{JobStage::kCanon, "", "curation_log.jsonl"},
                                {JobStage::kReport, "report/viewer_files", "part_*.js"},
                                {JobStage::kReport, "report/generated_files", "part_*.js"},
                                {JobStage::kReport, "report", "clip_*.html"},
-                               {JobStage::kReport, "report", "clip_*.mp4"},
-                               {JobStage::kReport, "report", "clip.png"},
-                               {JobStage::kReport, "report", "overlay.png"},
-                               {JobStage::kReport, "report", "cloud.png"}};
+                               {JobStage::kReport, "report", "clip_*.mp4"}};
 
 constexpr const char* kRecords[] = {"capture.json", "journal.jsonl", "lock", kProgressFile, "run.json"};
 

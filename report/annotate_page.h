@@ -1,29 +1,13 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/motion/clip.h"
-#include "report/filmstrip.h"
 #include "report/options.h"
 
 namespace mocurate {
-
-/// Compact poses of a motion, for pages with many long clips. One row per pose: the root as three int16 (little-endian,
-/// relative to the first frame), then each other joint as three int8 relative to the root; x, y, z in multiples of
-/// `root_mm` and `joint_mm`. The error is at most half of these: about 4 mm for a body with joints up to 1 m away from
-/// its root.
-struct PackedFrames {
-  int step = 1;           ///< frames from one row to the next
-  double root_mm = 1.0;   ///< of one unit of the root
-  double joint_mm = 1.0;  ///< and of the other joints
-  std::string rows;       ///< (ceil(F / step), 6 + 3 (J - 1)) bytes
-
-  static std::size_t RowBytes(int joints) { return 6 + 3 * static_cast<std::size_t>(joints - 1); }
-  /// Every second row, with twice the step.
-  void Halve(int joints);
-};
-PackedFrames PackFrames(const Motion& motion, int step);
 
 /// Speed curve of a motion, for display below a timeline.
 struct PackedSpeeds {
@@ -56,8 +40,7 @@ struct AnnotateCard {
   double hz = 0.0;
   double begin_s = 0.0;  ///< of its first frame in the recording
   double recorded_hz = 0.0;
-  Viewpoint view;
-  PackedFrames poses;
+  int step = 1;  ///< frames from one pose of the motions to the next
   PackedSpeeds speeds;
   std::vector<AnnotatedSpan> spans;
   bool done = false;  ///< has spans of an earlier session
@@ -67,8 +50,9 @@ struct AnnotateCard {
 struct AnnotatePageInput {
   std::string dataset;  ///< its file
   std::vector<std::string> labels;
-  SkeletonPtr skeleton;
   std::vector<AnnotateCard> cards;
+  nlohmann::json motions;                         ///< of each card, joints alone: index of a viewer
+  std::vector<std::string> parts;                 ///< of the motions, in base64
   nlohmann::json rest = nlohmann::json::array();  ///< spans of an earlier session that no card shows; saved again
 };
 

@@ -8,9 +8,13 @@
 #include "core/base/sha256.h"
 #include "core/base/text.h"
 #include "core/formats/span_table.h"
+#include "core/motion/kinematics.h"
+#include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
 #include "report/annotate_page.h"
+#include "report/html.h"
 #include "report/stages.h"
+#include "report/viewer_data.h"
 
 namespace mocurate {
 namespace {
@@ -72,9 +76,6 @@ AnnotateCard CardOf(const Clip& clip) {
   card.hz = motion.rate.hz();
   card.begin_s = BeginInRecording(clip);
   card.recorded_hz = RecordedRate(clip).hz();
-  card.view = FrontView(motion);
-  card.view.yaw = std::round(1e3 * card.view.yaw) / 1e3;
-  card.poses = PackFrames(motion, std::max(1, static_cast<int>(std::ceil(card.hz / kMostPosesPerSecond - 1e-9))));
   card.speeds = PackSpeeds(FastestJointSpeeds(motion), kMostSpeeds);
   card.speeds.fastest = std::round(1e3 * card.speeds.fastest) / 1e3;
   for (const Segment& segment : clip.segments) {
@@ -87,6 +88,16 @@ AnnotateCard CardOf(const Clip& clip) {
     card.spans.push_back(std::move(span));
   }
   return card;
+}
+
+/// Poses a second that are shown: fifteen, or fewer where all would take more than `most` bytes.
+double ShownRate(const Dataset& outline, const std::vector<std::size_t>& rows, double most) {
+  double bytes = 0.0;
+  for (const std::size_t row : rows) {
+    const Motion& motion = *outline.clips[row].motion;
+    bytes += std::min(motion.rate.hz(), kMostPosesPerSecond) * motion.duration() * (12.0 + 6.0 * motion.joint_count());
+  }
+  return kMostPosesPerSecond * std::min(1.0, most / std::max(1.0, bytes));
 }
 
 double Overlap(const AnnotateCard& card, double begin_s, double end_s) {
@@ -185,30 +196,32 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   const auto session = listed == nullptr ? Expected<SessionSpans>() : ReadSession(*listed);
   if (!session) return Forward(session);
   input.labels = options->labels.empty() ? clips->labels() : options->labels;
-  input.skeleton = clips->skeleton();
   const auto rows = ChooseRows(*clips, *options, input.dataset);
   if (!rows) return Forward(rows);
+  const auto outline = clips->Outline();
+  if (!outline) return Forward(outline);
+  const double shown_rate = ShownRate(*outline, *rows, options->poses_bytes);
   std::vector<std::string> fingerprints;
-  std::size_t bytes = 0;
-  int halved = 0;
+  ViewerData data([&](int, const std::string& bytes) {
+    input.parts.push_back(Base64(bytes));
+    return Status();
+  });
   for (const std::size_t row : *rows) {
     const auto clip = clips->Read(row);
     if (!clip) return Forward(clip);
-    AnnotateCard card = CardOf(*clip);
-    const int joints = clip->motion->joint_count();
-    for (int i = 0; i < halved; ++i) card.poses.Halve(joints);
-    bytes += card.poses.rows.size();
+    input.cards.push_back(CardOf(*clip));
+    const int step = std::max(1, static_cast<int>(std::ceil(clip->rate.hz() / shown_rate - 1e-9)));
+    input.cards.back().step = step;
     fingerprints.push_back(MotionFingerprint(*clip->motion));
-    input.cards.push_back(std::move(card));
-    while (static_cast<double>(bytes) > options->poses_bytes && halved < 16) {
-      ++halved;
-      bytes = 0;
-      for (AnnotateCard& made : input.cards) {
-        made.poses.Halve(joints);
-        bytes += made.poses.rows.size();
-      }
-    }
+    const FrameRate rate{clip->rate.numerator, clip->rate.denominator * step};
+    Clip shown;
+    shown.motion = MakeJointsOnly(clip->motion->skeleton, clip->rate, clip->motion->joints);
+    shown.rate = clip->rate;
+    if (step > 1) shown = Resample(shown, rate);
+    if (Status added = data.Add(0, {shown}); !added) return Forward(added);
   }
+  if (Status finished = data.Finish(); !finished) return Forward(finished);
+  input.motions = data.Index();
   std::set<std::string> recordings;
   for (std::size_t row = 0; row < clips->size(); ++row) recordings.insert(RecordingOf(clips->Id(row)));
   const PlacedSession placed = PlaceSession(*session, recordings, input);
@@ -222,7 +235,7 @@ Expected<StageOutcome> AnnotateStage(const StageRequest& request) {
   for (std::size_t i = 0; i < input.cards.size(); ++i) {
     FinishCard(fingerprints[i], input.cards[i]);
     spans += input.cards[i].spans.size();
-    least = std::min(least, input.cards[i].hz / input.cards[i].poses.step);
+    least = std::min(least, input.cards[i].hz / input.cards[i].step);
   }
   AddLabelsOfSpans(input);
   const std::string page = MakeAnnotatePage(input);

@@ -9,70 +9,28 @@
 #include "core/base/text.h"
 #include "core/base/version.h"
 #include "core/motion/motion.h"
+#include "core/quality/measures.h"
 #include "report/charts.h"
 #include "report/html.h"
 #include "report/motion_rows.h"
-#include "report/page_scripts.h"
+#include "report/page_files.h"
 #include "report/painters.h"
 #include "report/run_facts.h"
 #include "report/stages.h"
+#include "report/viewer_data.h"
+#include "report/viewer_evidence.h"
 
 namespace mocurate {
 namespace {
 
 constexpr int kViews = 6;  // over which the body is drawn, at most
-
-const Colour& ColourOf(JointState state) {
-  switch (state) {
-    case JointState::kObserved:
-      return kFaintColour;
-    case JointState::kRepaired:
-      return kBadColour;
-    case JointState::kInterpolated:
-      return kSuspectColour;
-    default:
-      return kQuietColour;
-  }
-}
-
-/// States of all joints (rows) over the frames as one SVG; empty for a motion without states.
-std::string StateMapSvg(const Motion& motion) {
-  constexpr double kLeft = 130.0;
-  constexpr double kWidth = 900.0;
-  constexpr double kRow = 13.0;
-  if (motion.state.empty() || motion.frame_count() == 0) return "";
-  const int frames = motion.frame_count();
-  const int joints = motion.joint_count();
-  const double cell = (kWidth - kLeft) / frames;
-  const double bottom = kRow * joints;
-  Drawing drawing{kWidth, bottom + 18.0, "State of every joint over the frames"};
-  for (int j = 0; j < joints; ++j) {
-    drawing.Text(kLeft - 6.0, kRow * j + 10.0, motion.skeleton->joints[j].name, 10.0, TextAnchor::kEnd, kQuietColour);
-    for (int f = 0; f < frames;) {
-      const JointState state = motion.state[static_cast<std::size_t>(f) * joints + j];
-      int end = f + 1;
-      while (end < frames && motion.state[static_cast<std::size_t>(end) * joints + j] == state) ++end;
-      drawing.Box(kLeft + cell * f, kRow * j + 1.0, std::max(0.6, cell * (end - f)), kRow - 2.0, ColourOf(state));
-      f = end;
-    }
-  }
-  for (const double mark : AxisMarks(0.0, frames, 8)) {
-    if (mark != static_cast<int>(mark)) continue;
-    drawing.Text(kLeft + cell * mark, bottom + 14.0, std::to_string(static_cast<int>(mark)), 10.0, TextAnchor::kMiddle,
-                 kQuietColour);
-  }
-  return ToInlineSvg(drawing);
-}
-
-constexpr int kClipPlayerNumbers = 300000;
-constexpr std::size_t kBonesDrawn = 3;
 constexpr std::size_t kMostRepairs = 200;
 constexpr int kMostCurvePoints = 1200;  ///< of a curve
 
 using Points = std::vector<PlotPoint>;
 
 /// A curve over time; for long ones the largest value of each interval is kept, so that no peak is lost.
-Points Over(const std::vector<double>& time, const std::vector<double>& values) {
+Points Over(const Motion& motion, const std::vector<double>& values) {
   Points points;
   const std::size_t step = (values.size() + kMostCurvePoints - 1) / kMostCurvePoints;
   for (std::size_t i = 0; i < values.size(); i += std::max<std::size_t>(1, step)) {
@@ -80,7 +38,7 @@ Points Over(const std::vector<double>& time, const std::vector<double>& values) 
     for (std::size_t k = i; k < std::min(values.size(), i + step); ++k) {
       if (std::isfinite(values[k]) && !(values[k] <= values[most])) most = k;
     }
-    points.push_back({time[most], values[most]});
+    points.push_back({motion.rate.FrameTime(static_cast<std::int64_t>(most)), values[most]});
   }
   return points;
 }
@@ -95,14 +53,32 @@ std::string FramesText(int begin, int end) {
   return end - begin <= 1 ? std::to_string(begin) : std::to_string(begin) + "–" + std::to_string(end - 1);
 }
 
-double RmsOf(const std::vector<double>& values) {
-  double sum = 0.0;
-  const std::vector<double> finite = Finite(values);
-  for (const double value : finite) sum += value * value;
-  return finite.empty() ? std::nan("") : std::sqrt(sum / static_cast<double>(finite.size()));
+/// Measures of the evidence's tracks, and of the fit.
+struct BeforeAndAfter {
+  std::optional<MotionMeasures> before;
+  MotionMeasures after;
+};
+
+BeforeAndAfter Measured(const ClipPageInput& input) {
+  const Motion& motion = *input.clip.fitted.motion;
+  BeforeAndAfter measured{std::nullopt, MeasureMotion(motion)};
+  if (const JointTracks* tracks = TracksOf(input.clip)) {
+    const TracksOfJoints own = InJoints(*tracks, *motion.skeleton);
+    measured.before = MeasureJoints(*motion.skeleton, own.joints, own.confidence, tracks->time_s);
+  }
+  return measured;
 }
 
-std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
+/// Estimated standard deviation of a joint position per axis over a clip, root mean square, millimetres.
+double SigmaMm(const Motion& motion) {
+  double square = 0.0;
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < motion.joint_count(); ++j) square += std::pow(StatedSigmaMm(motion, f, j), 2);
+  }
+  return std::sqrt(square / motion.frame_count() / motion.joint_count());
+}
+
+std::string HeadOf(const ClipPageInput& input, const BeforeAndAfter& measured) {
   const DrawnClip& clip = input.clip;
   const Motion& motion = *clip.fitted.motion;
   std::string html = "<h1>" + EscapeHtml(clip.item) + "</h1>\n";
@@ -113,26 +89,14 @@ std::string HeadOf(const ClipPageInput& input, const ClipSeries& series) {
   if (clip.fitted.fit_rms > 0.0) {
     html += Tile("Residual", FixedText(1e3 * clip.fitted.fit_rms, 1) + " mm", "RMS over the evidence used");
   }
-  if (series.raw_bones) {
-    double raw = 0.0;
-    double fitted = 0.0;
-    int bones = 0;
-    for (const BoneSeries& bone : series.bones) {
-      if (!std::isfinite(bone.raw_spread)) continue;
-      raw += bone.raw_spread;
-      fitted += bone.fitted_spread;
-      ++bones;
-    }
-    html += Tile("Bone length deviation", FixedText(fitted / std::max(1, bones), 1) + " mm",
-                 FixedText(raw / std::max(1, bones), 1) + " mm before");
+  if (measured.before) {
+    html += Tile("Bone length deviation", FixedText(measured.after.bone_spread_mm, 1) + " mm",
+                 FixedText(measured.before->bone_spread_mm, 1) + " mm before") +
+            Tile("Jerk", FixedText(measured.after.jerk, 0) + " m/s³", FixedText(measured.before->jerk, 0) + " before");
   }
-  if (!Finite(series.jerk_raw).empty()) {
-    html += Tile("Jerk", FixedText(RmsOf(series.jerk_fitted), 0) + " m/s³",
-                 FixedText(RmsOf(series.jerk_raw), 0) + " before");
-  }
-  if (!series.sigma_mm.empty()) {
-    html += Tile("Estimated standard deviation", FixedText(RmsOf(series.sigma_mm), 1) + " mm",
-                 "of a joint position, per axis");
+  if (!motion.position_cov.empty()) {
+    html +=
+        Tile("Estimated standard deviation", FixedText(SigmaMm(motion), 1) + " mm", "of a joint position, per axis");
   }
   return html + "</dl>\n";
 }
@@ -141,7 +105,8 @@ std::string SeenHtml(const ClipPageInput& input) {
   const DrawnClip& clip = input.clip;
   std::string html;
   if (!input.options.video.empty()) {
-    html += "<video controls preload=\"metadata\" src=\"" + EscapeHtml(input.options.video) +
+    html += "<video controls preload=\"none\" src=\"" + EscapeHtml(input.options.video) +
+            "\" poster=\"data:image/svg+xml;base64," + Base64(ToSvg(DrawFilmstrip(clip.fitted))) +
             "\">The video is beside this page: " + EscapeHtml(input.options.video) + "</video>\n";
   } else if (!input.options.no_video.empty()) {
     html += Paragraph("No video: " + EscapeHtml(input.options.no_video), "soft");
@@ -151,14 +116,30 @@ std::string SeenHtml(const ClipPageInput& input) {
     html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip), false)));
   }
   html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.fitted)));
-  return html + "<div class=\"alone\">\n" + PlayerHtml(clip.item, "clip", points) + "</div>\n" +
-         Paragraph(
-             "<span class=\"k-before\"></span>evidence<span class=\"k-left\"></span>left side and trunk of the "
-             "fit<span class=\"k-right\"></span>right side",
-             "key soft");
+  return html + "<div id=\"viewer\"></div>\n";
 }
 
-std::string TimeHtml(const ClipSeries& series) {
+/// The clip for the viewer of the page: its index, and the frames as text.
+std::pair<nlohmann::json, std::vector<std::string>> ViewedMotion(const ClipPageInput& input) {
+  std::vector<std::string> parts;
+  ViewerData data([&](int, const std::string& bytes) {
+    parts.push_back(Base64(bytes));
+    return Status();
+  });
+  const Clip& clip = input.clip.fitted;
+  std::optional<JointTracks> tracks;
+  if (const JointTracks* recorded = TracksOf(input.clip)) tracks = TracksOfClip(clip, *recorded);
+  ViewedClip viewed{clip, FindingsOf(clip, {{clip.id(), input.findings}})};
+  viewed.tracks = tracks ? &*tracks : nullptr;
+  data.AddSource(input.clip.item);
+  (void)data.Add(0, viewed);  // the sink has no errors
+  (void)data.Finish();
+  nlohmann::json index = data.Index();
+  index["embedded"] = "inside";
+  return {std::move(index), std::move(parts)};
+}
+
+std::string TimeHtml(const ClipSeries& series, const Motion& motion) {
   std::string charts;
   if (Finite(series.residual).size() == 1) {
     return Paragraph(EscapeHtml(series.residual_name) + ": " + ShortText(Finite(series.residual).front()) + ".");
@@ -166,56 +147,34 @@ std::string TimeHtml(const ClipSeries& series) {
   if (!Finite(series.residual).empty()) {
     Plot chart{series.residual_name, "s", "", {}};
     if (!series.residual_most.empty()) {
-      chart.curves.push_back({"worst joint", Over(series.time_s, series.residual_most), 5});
-      chart.curves.push_back({"root mean square over joints", Over(series.time_s, series.residual), 0});
+      chart.curves.push_back({"worst joint", Over(motion, series.residual_most), 5});
+      chart.curves.push_back({"root mean square over joints", Over(motion, series.residual), 0});
     } else {
-      chart.curves.push_back({"each frame", Over(series.time_s, series.residual), 0});
+      chart.curves.push_back({"each frame", Over(motion, series.residual), 0});
     }
     charts += PlotHtml(chart);
   }
   if (!Finite(series.keypoint_residual).empty()) {
     Plot chart{series.keypoint_residual_name, "s", "", {}};
-    chart.curves.push_back({"each frame", Over(series.time_s, series.keypoint_residual), 0});
+    chart.curves.push_back({"each frame", Over(motion, series.keypoint_residual), 0});
     charts += PlotHtml(chart);
   }
-  Plot jerk{"Jerk, root mean square over joints", "s", "m/s³", {}};
-  if (!Finite(series.jerk_raw).empty()) jerk.curves.push_back({"before", Over(series.time_s, series.jerk_raw), 5});
-  if (!Finite(series.jerk_fitted).empty()) jerk.curves.push_back({"after", Over(series.time_s, series.jerk_fitted), 0});
-  charts += PlotHtml(jerk);
-  if (charts.empty()) return Paragraph("The clip is too short for curves over time.");
-  return "<div class=\"charts wide\">\n" + charts + "</div>\n" +
-         Paragraph("Compare both: over-smoothed motion has low jerk and a large residual.", "soft");
+  return charts.empty() ? Paragraph("The evidence has no points to compare with, frame by frame.")
+                        : "<div class=\"charts wide\">\n" + charts + "</div>\n";
 }
 
-std::string BonesHtml(const ClipSeries& series, const Skeleton& skeleton) {
-  if (!series.raw_bones) {
+std::string BonesHtml(const BeforeAndAfter& measured, const Skeleton& skeleton) {
+  if (!measured.before) {
     return Paragraph("The evidence has no joints to measure bone lengths from; the fit's bones have constant lengths.");
   }
-  std::vector<const BoneSeries*> sorted;
-  for (const BoneSeries& bone : series.bones) {
-    if (std::isfinite(bone.raw_spread)) sorted.push_back(&bone);
+  HtmlTable table{"Standard deviation of each bone's length over the frames, mm", {"Ends at", "Before", "After"}};
+  for (int j = 1; j < skeleton.joint_count(); ++j) {
+    const double before = measured.before->bone_spreads_mm[static_cast<std::size_t>(j)];
+    if (before <= 0.0) continue;
+    table.rows.push_back({EscapeHtml(skeleton.joints[j].name), FixedText(before, 1),
+                          FixedText(measured.after.bone_spreads_mm[static_cast<std::size_t>(j)], 1)});
   }
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const BoneSeries* a, const BoneSeries* b) { return a->raw_spread > b->raw_spread; });
-  std::string charts;
-  for (std::size_t i = 0; i < std::min(kBonesDrawn, sorted.size()) && series.time_s.size() > 1; ++i) {
-    const BoneSeries& bone = *sorted[i];
-    const std::string name =
-        skeleton.joints[skeleton.joints[bone.joint].parent].name + " to " + skeleton.joints[bone.joint].name;
-    const Plot chart{name + ", mm",
-                     "s",
-                     "mm",
-                     {{"before", Over(series.time_s, bone.raw), 5}, {"after", Over(series.time_s, bone.fitted), 0}}};
-    charts += PlotHtml(chart);
-  }
-  HtmlTable table{"All bones, mm", {"Ends at", "Before, mean", "Before, std", "After", "After, std"}};
-  for (const BoneSeries* bone : sorted) {
-    table.rows.push_back({EscapeHtml(skeleton.joints[bone->joint].name), FixedText(bone->raw_mean, 1),
-                          FixedText(bone->raw_spread, 1), FixedText(bone->fitted.front(), 1),
-                          FixedText(bone->fitted_spread, 1)});
-  }
-  return "<div class=\"charts wide\">\n" + charts + "</div>\n<details><summary>All bones</summary>" + table.Html() +
-         "</details>\n";
+  return table.Html();
 }
 
 std::string RepairsHtml(const ClipPageInput& input) {
@@ -243,32 +202,11 @@ std::string RepairsHtml(const ClipPageInput& input) {
                         "soft");
     }
   }
-  html = (table.rows.empty() ? Paragraph("No joints were exchanged or set to missing.") : table.Html()) + html;
-  HtmlTable findings{"Findings", {"Frames", "Code", "Joint", "What", "Done"}, {}, false};
-  for (const Finding& finding : input.findings) {
-    if (findings.rows.size() >= kMostRepairs) break;
-    const bool all = finding.frame_end <= finding.frame_begin;
-    findings.rows.push_back({all ? "–" : FramesText(finding.frame_begin, finding.frame_end), EscapeHtml(finding.code),
-                             EscapeHtml(finding.joint), EscapeHtml(finding.message), EscapeHtml(Name(finding.action))});
-  }
-  if (!findings.rows.empty()) html += findings.Html();
-  const std::string map = StateMapSvg(*fitted.motion);
-  if (map.empty()) return html;
-  return html +
-         Paragraph(
-             "Source of each joint over the frames: <span class=\"s-observed\"></span>"
-             "observed<span class=\"s-repaired\"></span>corrected (observed as the other side)"
-             "<span class=\"s-interpolated\"></span>interpolated<span class=\"s-inferred\"></span>inferred",
-             "key soft") +
-         map;
+  return (table.rows.empty() ? Paragraph("No joints were exchanged or set to missing.") : table.Html()) + html;
 }
 
-std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
-  if (series.sigma_mm.empty()) return Paragraph("The fit has no uncertainty estimate.");
-  const Plot chart{"Estimated standard deviation of a joint position, per axis",
-                   "s",
-                   "mm",
-                   {{"root mean square over joints", Over(series.time_s, series.sigma_mm), 0}}};
+std::string SigmaHtml(const Motion& motion) {
+  if (motion.position_cov.empty()) return Paragraph("The fit has no uncertainty estimate.");
   HtmlTable table{"Means over the frames",
                   {"Joint", "Position, mm per axis", "Largest", "Rotation, degrees", "Observable axes, of 3"}};
   const int frames = motion.frame_count();
@@ -289,8 +227,7 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
                           motion.rotation_sigma.empty() ? "–" : FixedText(turn, 1),
                           motion.rotation_observed.empty() ? "–" : FixedText(decided, 2)});
   }
-  const std::string drawn = frames > 1 ? "<div class=\"charts wide\">" + PlotHtml(chart) + "</div>\n" : "";
-  return drawn + "<details><summary>Joint by joint</summary>" + table.Html() + "</details>\n" +
+  return table.Html() +
          Paragraph(
              "An unobservable axis, such as the twist of a straight limb, keeps the prior's standard deviation "
              "and is uncertain.",
@@ -298,8 +235,8 @@ std::string SigmaHtml(const ClipSeries& series, const Motion& motion) {
 }
 
 /// The frame in the middle and the one that fits worst.
-std::vector<int> FramesToDraw(const ClipSeries& series) {
-  std::vector<int> frames = {static_cast<int>(series.time_s.size()) / 2};
+std::vector<int> FramesToDraw(const ClipSeries& series, int middle) {
+  std::vector<int> frames = {middle};
   const std::vector<double>& residual = series.residual;
   int worst = -1;
   for (std::size_t f = 0; f < residual.size(); ++f) {
@@ -313,7 +250,8 @@ std::string ViewsHtml(const ClipPageInput& input, const ClipSeries& series) {
   const Evidence& evidence = input.clip.evidence.evidence;
   const int views = ViewCount(evidence);
   if (views == 0) return "";
-  const std::vector<int> frames = FramesToDraw(series), chosen = ChosenViews(evidence, kViews);
+  const std::vector<int> frames = FramesToDraw(series, input.clip.fitted.motion->frame_count() / 2),
+                         chosen = ChosenViews(evidence, kViews);
   std::string html;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     html += "<h3>Frame " + std::to_string(frames[i]) + (i == 0 ? ", the middle" : ", the worst fit") +
@@ -337,26 +275,25 @@ Expected<std::string> MakeClipPage(const ClipPageInput& input) {
   const auto series = SeriesOf(input.clip.fitted, input.clip.evidence.evidence);
   if (!series) return Forward(series);
   const Motion& motion = *input.clip.fitted.motion;
-  std::string html = PageHead(input.clip.item + " - mocurate report", kPageStyle) +
+  const BeforeAndAfter measured = Measured(input);
+  std::string html = PageHead(input.clip.item + " - mocurate report", PageStyles({"viewer.css"})) +
                      "<body>\n<a class=\"skip\" href=\"#seen-section\">Skip to the content</a>\n<header>\n"
                      "<p><a href=\"index.html\">All clips of the run</a></p>\n" +
-                     HeadOf(input, *series) + "</header>\n<main id=\"main\">\n";
+                     HeadOf(input, measured) + "</header>\n<main id=\"main\">\n";
   const auto section = [&html](const char* id, const char* title, const std::string& inside) {
     if (inside.empty()) return;
     html += "<section id=\"" + std::string(id) + "\" aria-labelledby=\"" + id + "-title\">\n<h2 id=\"" + id +
             "-title\">" + title + "</h2>\n" + inside + "</section>\n";
   };
   section("seen-section", "Before and after", SeenHtml(input));
-  section("time", "Residual and jerk", TimeHtml(*series));
-  section("bones", "Bone lengths", BonesHtml(*series, *motion.skeleton));
-  section("repairs", "Corrections and findings", RepairsHtml(input));
-  section("uncertainty", "Uncertainty", SigmaHtml(*series, motion));
+  section("time", "Residual over time", TimeHtml(*series, motion));
+  section("bones", "Bone lengths", BonesHtml(measured, *motion.skeleton));
+  section("repairs", "Corrections", RepairsHtml(input));
+  section("uncertainty", "Uncertainty", SigmaHtml(motion));
   section("views", "Over the views", ViewsHtml(input, *series));
-  const nlohmann::json players =
-      nlohmann::json::array({PlayerData(input.clip.item, motion, TracksOf(input.clip), kClipPlayerNumbers)});
+  const auto [index, parts] = ViewedMotion(input);
   return html + "</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + " from stored results.") +
-         "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(players) +
-         "</script>\n<script>" + kPlayerScript + "</script>\n</body>\n</html>\n";
+         "</footer>\n" + ViewerHtml(index, parts, {"open.js"}) + "</body>\n</html>\n";
 }
 
 Expected<StageOutcome> ClipPageStage(const StageRequest& request) {

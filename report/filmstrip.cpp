@@ -13,24 +13,6 @@ namespace {
 constexpr double kThreeQuarter = 0.45;  ///< radians
 constexpr double kRaised = 0.12;
 
-std::array<int, 3> Millimetres(const Vector3d& point, const Vector3d& origin) {
-  std::array<int, 3> mm{};
-  for (int i = 0; i < 3; ++i)
-    mm[i] = static_cast<int>(std::lround(std::clamp(1e3 * (point[i] - origin[i]), -1e6, 1e6)));
-  return mm;
-}
-
-/// Whole millimetres of some points, null instead of those not `seen`.
-template <class Seen>
-nlohmann::json FrameJson(const JointPositions& points, int frame, const Vector3d& origin, Seen&& seen) {
-  nlohmann::json row = nlohmann::json::array();
-  for (int j = 0; j < points.joints; ++j) {
-    const std::array<int, 3> mm = Millimetres(seen(j) ? Vector3d(points.at(frame, j)) : origin, origin);
-    for (const int value : mm) row.push_back(seen(j) ? nlohmann::json(value) : nlohmann::json());
-  }
-  return row;
-}
-
 }  // namespace
 
 bool Observes(const JointTracks& tracks, int frame, int point) {
@@ -99,47 +81,13 @@ std::vector<int> StillFrames(int frame_count, int stills) {
   return frames;
 }
 
-std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points) {
+std::string PlayerHtml(const std::string& name) {
   const std::string escaped = EscapeHtml(name);
   return "<div class=\"player\" role=\"group\" aria-label=\"Player of " + escaped +
          "\">\n<canvas tabindex=\"0\" role=\"img\" aria-label=\"" + escaped +
          " in motion; drag or use the arrow keys to turn\"></canvas>\n<div class=\"controls\"><button "
-         "type=\"button\">Play</button>"
-         "<input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Frame of " +
-         escaped + "\"><output>0.00 s</output><label" + std::string(has_points ? "" : " hidden") + " for=\"seen-" + id +
-         "\"><input type=\"checkbox\" id=\"seen-" + id + "\" checked> evidence</label></div>\n</div>\n";
-}
-
-nlohmann::json PlayerData(const std::string& name, const Motion& motion, const JointTracks* tracks, int most_numbers) {
-  const Vector3d origin = motion.joints.at(0, 0);
-  const int per_frame = 3 * (motion.joint_count() + (tracks ? tracks->positions.joints : 0));
-  const int frames = motion.frame_count();
-  const int allowed = std::max(2, most_numbers / std::max(1, per_frame));
-  const int step = std::max(1, (frames + allowed - 1) / allowed);
-  const Viewpoint view = FrontView(motion);
-  nlohmann::json data = {{"name", name},
-                         {"hz", motion.rate.hz()},
-                         {"step", step},
-                         {"yaw", std::round(view.yaw * 1e3) / 1e3},
-                         {"pitch", view.pitch},
-                         {"bones", nlohmann::json::array()},
-                         {"lines", nlohmann::json::array()},
-                         {"joints", nlohmann::json::array()},
-                         {"points", nlohmann::json::array()}};
-  const std::vector<int> sides = SidesOf(*motion.skeleton);
-  for (int j = 1; j < motion.joint_count(); ++j) {
-    data["bones"].push_back({motion.skeleton->joints[j].parent, j, sides[j]});
-  }
-  if (tracks != nullptr) {
-    for (const auto& line : MatchTracks(tracks->names, *motion.skeleton).lines) data["lines"].push_back(line);
-  }
-  for (int f = 0; f < frames; f += step) {
-    data["joints"].push_back(FrameJson(motion.joints, f, origin, [](int) { return true; }));
-    if (tracks == nullptr) continue;
-    data["points"].push_back(
-        FrameJson(tracks->positions, f, origin, [&](int point) { return Observes(*tracks, f, point); }));
-  }
-  return data;
+         "type=\"button\">Play</button><input type=\"range\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Frame of " +
+         escaped + "\"><output>0.00 s</output></div>\n</div>\n";
 }
 
 const JointTracks* TracksOf(const DrawnClip& clip) {

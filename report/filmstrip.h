@@ -48,13 +48,8 @@ Viewpoint FrontView(const Motion& motion);
 /// Frames of stills, evenly spread, first and last included.
 std::vector<int> StillFrames(int frame_count, int stills = 8);
 
-/// Canvas and controls of the player for the JSON of PlayerData with the same index in the page; `id` is its own.
-std::string PlayerHtml(const std::string& name, const std::string& id, bool has_points);
-
-/// JSON for the player of the page: {"name", "hz", "step", "yaw", "pitch", "bones": [[a,b,side]...], "joints": [[mm...]
-/// per frame], "lines", "points"}; positions are whole millimetres relative to the first root; a missing point is null
-/// instead of x, y, z. At most `most_numbers` values: longer clips are decimated by `step`.
-nlohmann::json PlayerData(const std::string& name, const Motion& motion, const JointTracks* tracks, int most_numbers);
+/// Canvas and controls of a player of viewer/player.js.
+std::string PlayerHtml(const std::string& name);
 
 /// -1 right, 1 left, 0 midline: from mirror partners and rest offsets.
 std::vector<int> SidesOf(const Skeleton& skeleton);

@@ -590,26 +590,4 @@ Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks, bool bones, F
   return drawing;
 }
 
-Drawing DrawInCloud(const Clip& clip, int frame, const std::vector<Vector3d>& points) {
-  constexpr double kWidth = 400.0, kHeight = 560.0;
-  constexpr std::size_t kMostPoints = 3000;  // more would cover the body
-  Drawing drawing{2.0 * kWidth, kHeight, "Body of " + clip.id() + " inside the point cloud"};
-  for (const double panel : {0.0, 1.0}) {
-    Eye eye = EyeBelow(*clip.motion, frame, ViewOf(*clip.motion, MotionPictureOptions()));
-    eye.view.yaw += 1.35 * panel;
-    SeenFigure figure;
-    AddCapsules(clip, frame, eye, figure);
-    Measure(figure);
-    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / kMostPoints) {
-      const Vector3d seen = eye.See(points[i]);
-      figure.parts.push_back({seen.z(), {}, {seen.head<2>(), seen.head<2>()}, kInkColour, 1.4});
-    }
-    Order(figure);
-    const double scale = 0.9 * std::min(kWidth / figure.box.sizes().x(), kHeight / figure.box.sizes().y());
-    const Vector2d centre = figure.box.center();
-    Place(figure, {kWidth * (panel + 0.5) - scale * centre.x(), 0.5 * kHeight + scale * centre.y()}, scale, drawing);
-  }
-  return drawing;
-}
-
 }  // namespace mocurate

@@ -64,7 +64,4 @@ Drawing DrawMotionGrid(const std::vector<MotionRow>& rows, const MotionPictureOp
 Drawing DrawFilmstrip(const Clip& clip, const JointTracks* tracks = nullptr, bool bones = true,
                       FigureChoice figure = FigureChoice::kBones);
 
-/// The fitted body of a frame inside measured points (world, metres): from the front and from the side.
-Drawing DrawInCloud(const Clip& clip, int frame, const std::vector<Vector3d>& points);
-
 }  // namespace mocurate

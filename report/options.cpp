@@ -6,6 +6,7 @@ namespace mocurate {
 void ReportOptions::Declare(OptionVisitor& v) {
   v.Integer("pages", pages, {0.0, 1000.0}, "clips with a page of their own: best, worst and evenly between");
   v.Bool("viewer", viewer, "pages of the viewer: all clips, and generated motions beside real ones");
+  v.Bool("clouds", clouds, "measured points in the viewer, 300 of a frame; its page then has parts beside it");
   v.Bool("videos", videos, "one H.264 video for each of these pages; takes most of a report's time");
   v.Number("suspect_joint_error", suspect_joint_error, Unit::kMetre, {0.0, 10.0},
            "mean joint error of a clip above which the page reports its fit as suspect: where 3DPCK "
@@ -50,13 +51,8 @@ void ViewerOptions::Declare(OptionVisitor& v) {
            "maximum size of motions in the page, bytes; of larger sets all are beside it");
   v.Integer("per_label", per_label, {0.0, 1000.0},
             "clips of a label stand together, at most this many of a source; 0: clips of a recording do");
+  v.Bool("clouds", clouds, "measured points near the body");
   v.Bool("skin_if_it_fits", skin_if_it_fits, "leave out a body that does not fit a skeleton");
-}
-
-void PictureOptions::Declare(OptionVisitor& v) {
-  v.Choice("kind", kind,
-           {{"clip", PictureKind::kClip}, {"overlay", PictureKind::kOverlay}, {"cloud", PictureKind::kCloud}},
-           "stills of a clip, the body over a depth view, or the bones inside the fused cloud");
 }
 
 void MotionPictureOptions::Declare(OptionVisitor& v) {
@@ -85,24 +81,22 @@ void MotionPictureOptions::Declare(OptionVisitor& v) {
   v.Number("scale", scale, Unit::kNone, {0.25, 8.0}, "pixels of a PNG or video for each unit of the drawing");
 }
 
-StageDeclaration ReportDeclaration() { return {"report", 26, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReportDeclaration() { return {"report", 27, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ReviewDeclaration() { return {"review", 6, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ReviewDeclaration() { return {"review", 7, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration AnnotateDeclaration() { return {"annotate", 7, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration AnnotateDeclaration() { return {"annotate", 8, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration SurveyDeclaration() { return {"survey", 5, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration SurveyDeclaration() { return {"survey", 6, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ViewDeclaration() { return {"view", 3, "mocurate-annotate", WholeSetLimits()}; }
+StageDeclaration ViewDeclaration() { return {"view", 4, "mocurate-annotate", WholeSetLimits()}; }
 
-StageDeclaration ClipPageDeclaration() { return {"clip_page", 12, "mocurate-annotate", ClipLimits()}; }
+StageDeclaration ClipPageDeclaration() { return {"clip_page", 13, "mocurate-annotate", ClipLimits()}; }
 
 StageDeclaration ClipVideoDeclaration() { return {"clip_video", 4, "mocurate-video", ClipLimits()}; }
 
 StageDeclaration MotionPictureDeclaration() { return {"draw", 5, "mocurate-annotate", WholeSetLimits()}; }
 
 StageDeclaration MotionVideoDeclaration() { return {"draw_video", 3, "mocurate-video", WholeSetLimits()}; }
-
-StageDeclaration PictureDeclaration() { return {"picture", 7, "mocurate-annotate", ClipLimits()}; }
 
 }  // namespace mocurate

@@ -11,6 +11,7 @@ namespace mocurate {
 struct ReportOptions {
   std::int64_t pages = 5;  ///< clips with a page of their own: best, worst and evenly between
   bool videos = true;      ///< one H.264 video per page
+  bool clouds = false;     ///< measured points in the viewer
   bool viewer = true;      ///< a page of the viewer with all clips, and one with generated motions beside real ones
   /// Mean joint error of a clip, metres, above which its fit is suspect: 3DPCK counts such a joint as wrong (half a
   /// head; Mehta et al., 3DV 2017), and fitting/fit_outcome.cpp such a residual.
@@ -57,16 +58,9 @@ struct ViewerOptions {
   std::vector<std::string> clips;  ///< ids or their ends; empty: all
   std::string beside = "parts";    ///< folder beside the page for parts that are not in it
   double page_bytes = 23.7e6;      ///< of motions in the page, in base64: above, all parts are beside it
+  bool clouds = false;             ///< measured points near the body
   bool skin_if_it_fits = false;    ///< a body that does not fit a skeleton is left out
   std::int64_t per_label = 0;      ///< clips of a label stand together, at most this many of a source; 0: recordings do
-
-  void Declare(OptionVisitor& v);
-};
-
-enum class PictureKind { kClip, kOverlay, kCloud };
-
-struct PictureOptions {
-  PictureKind kind = PictureKind::kClip;
 
   void Declare(OptionVisitor& v);
 };

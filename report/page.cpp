@@ -4,7 +4,6 @@
 
 #include "report/html.h"
 #include "report/page_files.h"
-#include "report/page_scripts.h"
 #include "report/run_facts.h"
 
 namespace mocurate {
@@ -55,7 +54,7 @@ std::string ViewerLink(const ReportInput& input, const std::string& name, int fr
 }
 
 std::string MakePage(const ReportInput& input) {
-  std::string html = PageHead(TextOf(input.run, "name") + " - mocurate report", kPageStyle) +
+  std::string html = PageHead(TextOf(input.run, "name") + " - mocurate report", PageStyles()) +
                      "<body>\n"
                      "<a class=\"skip\" href=\"#main\">Skip to the content</a>\n<header>\n" +
                      HeadHtml(input) + "</header>\n<nav aria-label=\"Sections\"><ol>\n";
@@ -71,13 +70,10 @@ std::string MakePage(const ReportInput& input) {
     html += "<section id=\"" + id + "\" aria-labelledby=\"" + id + "-title\">\n<h2 id=\"" + id + "-title\">" +
             section.title + "</h2>\n" + section.html(input) + "</section>\n";
   }
-  html += "</main>\n<footer>\n" +
-          Paragraph("Made by " + EscapeHtml(TextOf(input.run, "created_by")) + " from stored results.");
+  html += "</main>\n<footer>\n" + Paragraph("Made by " + TextCell(input.run, "created_by") + " from stored results.");
   if (const std::string takes = TextOf(input.run, "takes"); !takes.empty())
     html += Paragraph("This run uses " + EscapeHtml(takes) + ".");
-  return html + "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(PlayersJson(input)) +
-         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + std::string(PageFile("tables.js")) +
-         "</script>\n</body>\n</html>\n";
+  return html + "</footer>\n" + PageScripts({"tables.js"}) + "</body>\n</html>\n";
 }
 
 }  // namespace mocurate

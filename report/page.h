@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/store/store.h"
@@ -17,8 +16,7 @@ struct ReportInput {
   nlohmann::json run;  ///< the summary of the run; parts that it did not reach are absent
   std::optional<Dataset> dataset;
   std::vector<DrawnClip> drawn;
-  std::vector<std::pair<std::string, Dataset>> generated;  ///< by network: a motion of each class
-  std::vector<std::string> not_drawn;                      ///< why a clip or a view could not be drawn
+  std::vector<std::string> not_drawn;  ///< why a clip or a view could not be drawn
   ReportOptions options;
 };
 
@@ -28,12 +26,12 @@ std::string FunnelHtml(const ReportInput& input);      ///< clips by stage, reas
 std::string DatasetHtml(const ReportInput& input);     ///< labels, splits
 std::string QualityHtml(const ReportInput& input);     ///< before and after
 std::string TruthHtml(const ReportInput& input);       ///< error against truth
-std::string FilmstripsHtml(const ReportInput& input);  ///< strips, players, overlays
+std::string FilmstripsHtml(const ReportInput& input);  ///< strips
 std::string ClipsHtml(const ReportInput& input);       ///< all clips, with links to their pages
 std::string PersonsHtml(const ReportInput& input);     ///< bone lengths
 std::string FindingsHtml(const ReportInput& input);
 std::string TableHtml(const ReportInput& input);        ///< metrics of the evaluation
-std::string GeneratedHtml(const ReportInput& input);    ///< a motion of each class and network beside a real one
+std::string GeneratedHtml(const ReportInput& input);    ///< motions of each class and network beside real ones
 std::string RecognisersHtml(const ReportInput& input);  ///< accuracies and confusion
 std::string CurvesHtml(const ReportInput& input);       ///< loss curves
 std::string StopsHtml(const ReportInput& input);        ///< where training was stopped
@@ -42,9 +40,6 @@ std::string ReadingHtml(const ReportInput& input);      ///< how to read the pag
 /// Link to a clip in the viewer beside the page, by its id at one of its frames, or by its recording at one of that;
 /// the escaped text alone where there is no viewer or no such clip.
 std::string ViewerLink(const ReportInput& input, const std::string& name, int frame, const std::string& text);
-
-/// The players' data, in the order of the players of FilmstripsHtml.
-nlohmann::json PlayersJson(const ReportInput& input);
 
 /// The whole page, self-contained. Same input, same bytes.
 std::string MakePage(const ReportInput& input);

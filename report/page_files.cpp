@@ -23,4 +23,16 @@ std::string_view PageFile(std::string_view name) {
   std::abort();  // a name in the program's text
 }
 
+std::string PageStyles(std::initializer_list<std::string_view> names) {
+  std::string styles(PageFile("page.css"));
+  for (const std::string_view name : names) styles += PageFile(name);
+  return styles;
+}
+
+std::string PageScripts(const std::vector<std::string_view>& names) {
+  std::string html;
+  for (const std::string_view name : names) html.append("<script>").append(PageFile(name)).append("</script>\n");
+  return html;
+}
+
 }  // namespace mocurate

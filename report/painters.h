@@ -90,19 +90,12 @@ class FrontPainter {
   int height_;
 };
 
-/// Stills of the fitted body with the tracked points (dark) in front, time below; a PNG. Errors of this and the next
-/// two: kInconsistent when `fitted` has no motion or a frame or view does not exist, kNotFound and kMalformed for depth
-/// images.
-Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence);
-
 /// The image of a view (depth in false colours, keypoints as dots; depth views come first), cut to the person, with the
-/// outline and bones of the fitted body over it.
+/// outline and bones of the fitted body over it; a PNG. Errors kInconsistent when `fitted` has no motion or the frame
+/// or view does not exist, kNotFound and kMalformed for depth images.
 Expected<std::string> BodyOverlayPng(const Clip& fitted, const Evidence& evidence, int view, int frame);
 
 /// The same as a figure of a page; or a paragraph that says why not.
 std::string OverlayHtml(const Clip& fitted, const Evidence& evidence, int view, int frame);
-
-/// The fitted body inside the point cloud of all depth views of a frame: front and side.
-Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame);
 
 }  // namespace mocurate

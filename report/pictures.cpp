@@ -5,8 +5,6 @@
 
 #include "core/base/file.h"
 #include "core/formats/png.h"
-#include "report/options.h"
-#include "report/stages.h"
 
 namespace mocurate {
 
@@ -83,41 +81,6 @@ cv::Mat FrontPainter::Draw(int frame) const {
   options.figure = FigureChoice::kCapsules;
   const Drawing drawing = DrawMotionGrid(rows_, options, rows_.front().clips.front().motion->rate.FrameTime(frame));
   return ToImage(drawing, height_ / drawing.height);
-}
-
-Expected<std::string> ClipPicturePng(const Clip& fitted, const Evidence& evidence) {
-  if (Status ok = CheckFrame(fitted, 0); !ok) return Forward(ok);
-  return ToPng(DrawFilmstrip(fitted, evidence.tracks ? &*evidence.tracks : nullptr, true, FigureChoice::kCapsules),
-               2.0);
-}
-
-Expected<std::string> CloudPicturePng(const Clip& fitted, const Evidence& evidence, int frame) {
-  if (Status ok = CheckFrame(fitted, frame); !ok) return Forward(ok);
-  if (evidence.depth_views.empty())
-    return Fail(ErrorCode::kInconsistent, "the evidence has no depth views", fitted.id());
-  std::vector<Vector3d> cloud;
-  for (const DepthView& view : evidence.depth_views) {
-    const auto points = PointsNear(BodyOf(fitted, frame), view, frame, 1, 0.3);
-    if (!points) return Forward(points);
-    for (const NearPoint& point : *points) cloud.push_back(point.place);
-  }
-  return ToPng(DrawInCloud(fitted, frame, cloud), 2.0);
-}
-
-Expected<StageOutcome> PictureStage(const StageRequest& request) {
-  const auto options = OptionsFromJson<PictureOptions>(request.options, "picture");
-  if (!options) return Forward(options);
-  const auto drawn = ReadDrawnClip(request);
-  if (!drawn) return Forward(drawn);
-  const Clip& clip = drawn->fitted;
-  const Evidence& evidence = drawn->evidence.evidence;
-  const int middle = clip.motion->frame_count() / 2;
-  const auto png = options->kind == PictureKind::kClip      ? ClipPicturePng(clip, evidence)
-                   : options->kind == PictureKind::kOverlay ? BodyOverlayPng(clip, evidence, 0, middle)
-                                                            : CloudPicturePng(clip, evidence, middle);
-  if (!png) return Forward(png);
-  if (Status written = WriteFile(request.output, *png); !written) return Forward(written);
-  return StageOutcome();
 }
 
 }  // namespace mocurate

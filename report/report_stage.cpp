@@ -68,12 +68,6 @@ Expected<StageOutcome> ReportStage(const StageRequest& request) {
     if (!dataset) return Forward(dataset);
     input.dataset = std::move(*dataset);
   }
-  for (const StageInput& candidate : request.inputs) {
-    if (candidate.role != "generated") continue;
-    auto motions = ReadDataset(candidate.path);
-    if (!motions) return Forward(motions);
-    input.generated.emplace_back(candidate.name, std::move(*motions));
-  }
   ReadDrawnClips(request, input);
   const std::string page = MakePage(input);
   if (Status written = WriteFile(request.output, page); !written) return Forward(written);

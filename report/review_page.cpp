@@ -1,19 +1,21 @@
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/file.h"
 #include "core/base/json_text.h"
 #include "core/base/text.h"
 #include "core/base/version.h"
+#include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/motion_rows.h"
 #include "report/options.h"
-#include "report/page_scripts.h"
-#include "report/review_script.h"
+#include "report/page_files.h"
 #include "report/run_facts.h"
 #include "report/stages.h"
+#include "report/viewer_data.h"
 
 namespace mocurate {
 namespace {
@@ -34,117 +36,91 @@ struct ReviewPageInput {
   nlohmann::json decisions;            ///< earlier decisions: a list of objects as in the page's saved file
 };
 
-constexpr int kNumbersOfPage = 2000000;   ///< positions in all players together, about five bytes each
-constexpr int kNumbersOfPlayer = 100000;  ///< and in one
+constexpr double kMotionBytes = 12e6;  ///< of all motions of a page; longer ones are shown at a lower rate
 
-std::string LabelChoice(const std::vector<std::string>& labels, const std::string& chosen) {
-  std::string html = "<select aria-label=\"New class\">";
-  for (const std::string& label : labels) {
-    html += "<option" + std::string(label == chosen ? " selected" : "") + ">" + EscapeHtml(label) + "</option>";
-  }
-  return html + "</select>";
+/// Name of a card's motions in the viewer.
+std::string GroupOf(const ReviewCard& card, std::size_t index) {
+  return std::to_string(index + 1) + " " + TextOf(card.finding, "code") + ": " + card.clips.front().id();
 }
 
-/// Strip, player and controls of one clip of a card.
-std::string ClipHtml(const Clip& clip, const std::string& id, const ReviewCard& card, const ReviewPageInput& input) {
-  const int frames = clip.motion->frame_count();
-  const std::string suggested =
-      TextOf(card.finding, "code") == "label_suspect" ? TextOf(card.finding, "suggested") : "";
-  const auto number = [&](const char* name, int value) {
-    return "<label>" + std::string(name) + " <input type=\"number\" class=\"" + name + "\" min=\"0\" max=\"" +
-           std::to_string(frames) + "\" value=\"" + std::to_string(value) + "\"></label>";
+/// Seconds of the finding's first and last frames in its clip.
+std::pair<double, double> SpanOf(const ReviewCard& card) {
+  const double hz = card.clips.front().rate.hz();
+  const auto seconds = [&](const char* key) {
+    return std::clamp(NumberOf(card.finding, key).value_or(0.0), 0.0, 1e9) / hz;
   };
-  const auto button = [](const char* verdict, const char* key) {
-    return "<button type=\"button\" data-verdict=\"" + std::string(verdict) + "\">" + verdict + " <kbd>" + key +
-           "</kbd></button>";
-  };
-  return "<div class=\"decided\" data-clip=\"" + EscapeHtml(clip.id()) + "\" data-content=\"" +
-         MotionFingerprint(*clip.motion) + "\" data-frames=\"" + std::to_string(frames) + "\">\n<h3>" +
-         EscapeHtml(clip.id()) + "</h3>\n" +
-         Paragraph("labelled " + EscapeHtml(clip.label) + ", " + Counted(frames, "frame") + " at " +
-                       ShortText(clip.rate.hz()) + " Hz" +
-                       (clip.identity.person.empty() ? "" : ", person " + EscapeHtml(clip.identity.person)),
-                   "soft") +
-         "<div class=\"clip\"><div>" + ToInlineSvg(DrawFilmstrip(clip)) + "</div>\n" +
-         PlayerHtml(clip.id(), id, false) + "</div>\n<div class=\"verdicts\">" + button("keep", "k") +
-         button("drop", "d") + button("relabel", "r") +
-         LabelChoice(input.labels, suggested.empty() ? clip.label : suggested) + button("cut", "c") +
-         number("begin", 0) + number("end", frames) +
-         "<span class=\"said\" aria-live=\"polite\"></span></div>\n</div>\n";
+  return {seconds("frame_begin"), seconds("frame_end")};
 }
 
-/// The two ids of a pair as a JSON list; of one clip an empty one.
-std::string PairOf(const ReviewCard& card) {
-  nlohmann::json ids = nlohmann::json::array();
-  for (const Clip& clip : card.clips) ids.push_back(clip.id());
-  return (card.clips.size() > 1 ? ids : nlohmann::json::array())
-      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-std::string CardHtml(const ReviewCard& card, std::size_t index, const ReviewPageInput& input) {
-  const std::string code = TextOf(card.finding, "code");
-  std::string html = "<section class=\"card\" tabindex=\"-1\" data-finding=\"" + EscapeHtml(code) + "\" data-pair=\"" +
-                     EscapeHtml(PairOf(card)) + "\">\n<h2><span class=\"code " +
-                     EscapeHtml(TextOf(card.finding, "severity")) + "\">" + EscapeHtml(code) + "</span> " +
-                     std::to_string(index + 1) + " of " + std::to_string(input.cards.size()) + "</h2>\n" +
-                     Paragraph(EscapeHtml(TextOf(card.finding, "message")));
-  for (std::size_t i = 0; i < card.clips.size(); ++i) {
-    html += ClipHtml(card.clips[i], std::to_string(index) + "-" + std::to_string(i), card, input);
+/// A finding and its clips, with filmstrips, for review.js.
+nlohmann::json CardJson(const ReviewCard& card, std::size_t index) {
+  nlohmann::json json = {
+      {"group", GroupOf(card, index)}, {"at", SpanOf(card).first}, {"clips", nlohmann::json::array()}};
+  for (const char* key : {"code", "severity", "message"}) json[key] = TextOf(card.finding, key);
+  if (json["code"] == "label_suspect") json["suggested"] = TextOf(card.finding, "suggested");
+  for (const Clip& clip : card.clips) {
+    json["clips"].push_back({{"id", clip.id()},
+                             {"content", MotionFingerprint(*clip.motion)},
+                             {"frames", clip.motion->frame_count()},
+                             {"hz", clip.rate.hz()},
+                             {"label", clip.label},
+                             {"person", clip.identity.person},
+                             {"strip", ToInlineSvg(DrawFilmstrip(clip))}});
   }
-  return html + "</section>\n";
+  return json;
 }
 
-/// One self-contained page: a card per finding with filmstrips and players, keys to keep, drop, relabel or cut a clip,
-/// and the decisions as the YAML that canon.review reads (canon/review/review.h).
-std::string MakeReviewPage(const ReviewPageInput& input) {
-  std::size_t players = 0;
-  for (const ReviewCard& card : input.cards) players += card.clips.size();
-  const int numbers = std::min(kNumbersOfPlayer, kNumbersOfPage / std::max(1, static_cast<int>(players)));
-  nlohmann::json player_data = nlohmann::json::array();
-  std::string cards;
+/// The motions of all cards for the viewer beside them; those of a pair stand together.
+nlohmann::json MotionsOf(const ReviewPageInput& input, std::vector<std::string>& parts) {
+  ViewerData data([&](int, const std::string& bytes) {
+    parts.push_back(Base64(bytes));
+    return Status();
+  });
+  std::size_t clips = 0;
+  for (const ReviewCard& card : input.cards) clips = std::max(clips, card.clips.size());
+  for (std::size_t i = 0; i < clips; ++i) data.AddSource(i == 0 ? "the clip" : "the other");
+  double bytes = 0.0;
+  for (const ReviewCard& card : input.cards) {
+    for (const Clip& clip : card.clips) bytes += 12.0 * clip.motion->frame_count() * clip.motion->joint_count();
+  }
+  const int step = static_cast<int>(std::ceil(bytes / kMotionBytes));
   for (std::size_t i = 0; i < input.cards.size(); ++i) {
-    cards += CardHtml(input.cards[i], i, input);
-    for (const Clip& clip : input.cards[i].clips) {
-      nlohmann::json data = PlayerData(clip.id(), *clip.motion, nullptr, numbers);
-      const auto begin = NumberOf(input.cards[i].finding, "frame_begin");
-      const bool first = &clip == &input.cards[i].clips.front();
-      if (begin && first) data["start"] = static_cast<int>(std::clamp(*begin, 0.0, 1e9)) / data.at("step").get<int>();
-      player_data.push_back(std::move(data));
+    const ReviewCard& card = input.cards[i];
+    for (std::size_t k = 0; k < card.clips.size(); ++k) {
+      const Clip& clip = card.clips[k];
+      const FrameRate lower{clip.rate.numerator, clip.rate.denominator * std::max(1, step)};
+      const Clip shown = step > 1 ? Resample(clip, lower) : clip;
+      ViewedClip viewed{shown, {}, "", GroupOf(card, i)};
+      if (k == 0) {
+        Finding finding;
+        finding.code = TextOf(card.finding, "code");
+        finding.message = TextOf(card.finding, "message");
+        finding.severity = TextOf(card.finding, "severity") == "error" ? Severity::kError : Severity::kWarning;
+        viewed.findings.push_back({SpanOf(card).first, SpanOf(card).second, finding});
+      }
+      (void)data.Add(static_cast<int>(k), viewed);  // the sink has no errors
     }
   }
-  std::string about_set;
-  for (const std::string& message : input.about_set) about_set += "<li>" + EscapeHtml(message) + "</li>\n";
-  if (!about_set.empty()) {
-    cards = "<section><h2>About the set</h2>\n<ul>\n" + about_set + "</ul>\n</section>\n" + cards;
-  }
-  if (cards.empty()) cards = "<section>" + Paragraph("Nothing was found.") + "</section>\n";
-  const nlohmann::json review = {{"dataset", input.dataset}, {"decisions", input.decisions}};
-  return PageHead("Review of " + input.dataset, std::string(kPageStyle) + kReviewStyle) +
-         "<body>\n<header>\n<h1>Review of " + EscapeHtml(input.dataset) + "</h1>\n" +
-         Paragraph(Counted(static_cast<long long>(input.cards.size()), "finding") +
-                       (input.not_shown > 0 ? ", " + std::to_string(input.not_shown) + " more are not shown" : ""),
-                   "lead") +
-         Paragraph(
-             R"html(Keys: <kbd>j</kbd> and <kbd>p</kbd> next and previous clip; <kbd>k</kbd> keep, the finding is wrong;
-<kbd>d</kbd> drop; <kbd>r</kbd> relabel to the chosen class; <kbd>[</kbd> and <kbd>]</kbd> begin and end at the
-frame that the player shows, then <kbd>c</kbd> cut; <kbd>u</kbd> undo; <kbd>s</kbd> save.)html",
-             "soft") +
-         "</header>\n<main id=\"main\">\n" + cards +
-         "<section id=\"decisions\"><h2>Decisions</h2>\n<p id=\"count\"></p>\n<p><button type=\"button\" "
-         "id=\"save\">Save "
-         "decisions.yaml <kbd>s</kbd></button></p>\n<textarea id=\"yaml\" readonly rows=\"16\" aria-label=\"Decisions "
-         "as "
-         "YAML\"></textarea>\n" +
-         Paragraph(
-             R"html(<code>mocurate dataset apply DATASET decisions.yaml -o NEW.h5</code> applies them to this file;
-<code>canon.review: decisions.yaml</code> in a config applies them in every run. The browser keeps them until
-they are saved.)html",
-             "soft") +
-         "</section>\n</main>\n<footer>\n" + Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
-         "</footer>\n<script type=\"application/json\" id=\"player-data\">" + JsonForScript(player_data) +
-         "</script>\n<script type=\"application/json\" id=\"review-data\">" + JsonForScript(review) +
-         "</script>\n<script>" + kPlayerScript + "</script>\n<script>" + kPageToolsScript + "</script>\n<script>" +
-         kReviewScript + "</script>\n</body>\n</html>\n";
+  (void)data.Finish();
+  nlohmann::json index = data.Index();
+  index["embedded"] = "beside";  // the page has the list, and keys of its own
+  return index;
+}
+
+/// One self-contained page: a card per finding with filmstrips beside a viewer, keys to keep, drop, relabel or cut a
+/// clip, and the decisions as the YAML that canon.review reads (canon/review/review.h).
+std::string MakeReviewPage(const ReviewPageInput& input) {
+  std::vector<std::string> parts;
+  const nlohmann::json index = MotionsOf(input, parts);
+  nlohmann::json review = {{"dataset", input.dataset},     {"labels", input.labels},
+                           {"about_set", input.about_set}, {"not_shown", input.not_shown},
+                           {"decisions", input.decisions}, {"cards", nlohmann::json::array()}};
+  for (std::size_t i = 0; i < input.cards.size(); ++i) review["cards"].push_back(CardJson(input.cards[i], i));
+  return PageHead("Review of " + input.dataset, PageStyles({"viewer.css", "review.css"})) +
+         "<body class=\"reviewed\">\n" + std::string(PageFile("review.html")) + "<footer>\n" +
+         Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +
+         "</footer>\n<script type=\"application/json\" id=\"review-data\">" + JsonForScript(review) + "</script>\n" +
+         ViewerHtml(index, parts, {"page_tools.js", "review.js"}) + "</body>\n</html>\n";
 }
 
 }  // namespace

@@ -42,6 +42,10 @@ std::vector<double> NumbersOf(const nlohmann::json& json) {
   return numbers;
 }
 
+std::string TextCell(const nlohmann::json& json, const char* key) { return EscapeHtml(TextOf(json, key)); }
+
+std::string CountCell(const nlohmann::json& json, const char* key) { return CountText(CountOf(json, key)); }
+
 std::string NumberCell(const nlohmann::json& json, const char* key, int digits) {
   const auto value = NumberOf(json, key);
   return value ? FixedText(*value, digits) : "–";

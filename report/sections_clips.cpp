@@ -152,7 +152,7 @@ std::string Tiles(const ReportInput& input) {
                      Tile("Clips kept", CountText(KeptClips(input.run)), "of " + CountText(total) + " read");
   if (const auto seconds = NumberOf(audit, "seconds")) {
     html += Tile("Motion", FixedText(*seconds / 60.0, 1) + " min",
-                 CountText(CountOf(audit, "frames")) + " frames in " + Plural(CountOf(audit, "clips"), "clip"));
+                 CountCell(audit, "frames") + " frames in " + Plural(CountOf(audit, "clips"), "clip"));
   }
   if (input.dataset && input.dataset->skeleton) {
     html += Tile("Skeleton", EscapeHtml(input.dataset->skeleton->name),
@@ -222,9 +222,9 @@ std::string SetFindingsHtml(const nlohmann::json& run) {
   HtmlTable table{"Findings about the set and its splits", {"Finding", "Severity", "Message", "Action"}, {}, false};
   for (const nlohmann::json& finding : Elements(Field(run, "findings"))) {
     const std::string clip = TextOf(finding, "clip");
-    table.rows.push_back({EscapeHtml(TextOf(finding, "code")), EscapeHtml(TextOf(finding, "severity")),
+    table.rows.push_back({TextCell(finding, "code"), TextCell(finding, "severity"),
                           EscapeHtml((clip.empty() ? "" : clip + ": ") + TextOf(finding, "message")),
-                          EscapeHtml(TextOf(finding, "action"))});
+                          TextCell(finding, "action")});
   }
   return table.rows.empty() ? Paragraph("Nothing was found wrong or suspect about the set and its splits.")
                             : table.Html();
@@ -286,10 +286,9 @@ std::string DatasetHtml(const ReportInput& input) {
   HtmlTable splits{"Splits", {"Split", "Train", "Validation", "Test", "Rule", "Leak check"}, {}, false};
   for (const nlohmann::json& split : Elements(Field(audit, "splits"))) {
     const long long test = CountOf(split, "test");
-    splits.rows.push_back({EscapeHtml(TextOf(split, "name")), CountText(CountOf(split, "train")),
-                           CountText(CountOf(split, "validation")),
+    splits.rows.push_back({TextCell(split, "name"), CountCell(split, "train"), CountCell(split, "validation"),
                            test > 0 ? CountText(test) : std::string("0: no clip tests, nothing is scored"),
-                           EscapeHtml(TextOf(split, "rule")), EscapeHtml(TextOf(split, "leak_check"))});
+                           TextCell(split, "rule"), TextCell(split, "leak_check")});
   }
   html += splits.rows.empty() ? Paragraph("The dataset has no split.") : splits.Html();
   html += SetFindingsHtml(input.run);
@@ -365,8 +364,8 @@ std::string ClipsHtml(const ReportInput& input) {
     std::string name = ViewerLink(input, item, 0, item);
     if (has_page(clip)) {
       const nlohmann::json& files = Field(pages, item.c_str());
-      name = "<a href=\"" + EscapeHtml(TextOf(files, "page")) + "\">" + EscapeHtml(item) + "</a>";
-      if (Field(input.run, "viewers").contains("clips")) name += ", " + ViewerLink(input, item, 0, "3-D");
+      name = "<a href=\"" + TextCell(files, "page") + "\">" + EscapeHtml(item) + "</a>";
+      if (Field(input.run, "viewers").contains("clips")) name += ", " + ViewerLink(input, item, 0, "3‑D");
       const std::string video = TextOf(files, "video");
       if (!video.empty()) name += ", <a href=\"" + EscapeHtml(video) + "\">video</a>";
     }

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -6,15 +7,11 @@
 #include "report/html.h"
 #include "report/motion_rows.h"
 #include "report/page.h"
-#include "report/painters.h"
 #include "report/run_facts.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kPlayerNumbers = 450000;  ///< positions in all players together, about five bytes each
-constexpr std::size_t kOverlayClips = 3;
-constexpr std::size_t kOverlayViews = 3;
 constexpr int kMostPersons = 24;
 constexpr std::size_t kFewClips = 4;  ///< below, a table suffices
 
@@ -56,21 +53,6 @@ std::string ResidualTable(const nlohmann::json& run) {
   add("Residual 95th percentile, mm", p95);
   add("Iterations", iterations);
   return table.rows.empty() ? "" : table.Html();
-}
-
-std::string Overlays(const DrawnClip& clip) {
-  const Evidence& evidence = clip.evidence.evidence;
-  std::vector<std::size_t> views;  // as many of each kind
-  for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.depth_views.size()); ++v) views.push_back(v);
-  for (std::size_t v = 0; v < std::min(kOverlayViews, evidence.keypoint_views.size()); ++v)
-    views.push_back(evidence.depth_views.size() + v);
-  const int frame = clip.fitted.motion->frame_count() / 2;
-  std::string html = "<div class=\"overlays\">\n";
-  for (const std::size_t v : views) {
-    const auto index = static_cast<int>(v);
-    html += OverlayHtml(clip.fitted, evidence, index, frame);
-  }
-  return html + "</div>\n" + Paragraph("White: outline of the fitted body; colours: depth, near is bright.", "soft");
 }
 
 std::string Figures(const DrawnClip& clip) {
@@ -128,7 +110,7 @@ std::string SigmaTable(const nlohmann::json& sigma) {
       const auto value = NumberOf(measures, key);
       return value ? FixedText(100.0 * *value, 1) : std::string("–");
     };
-    table.rows.push_back({EscapeHtml(name), CountText(CountOf(measures, "samples")), share("within_one_sigma"),
+    table.rows.push_back({EscapeHtml(name), CountCell(measures, "samples"), share("within_one_sigma"),
                           share("within_two_sigma"), NumberCell(measures, "ece", 3),
                           NumberCell(measures, "spearman", 2), NumberCell(measures, "auc", 2)});
   };
@@ -148,7 +130,7 @@ std::string SigmaTable(const nlohmann::json& sigma) {
   }
   std::string html = table.rows.empty() ? "" : table.Html();
   for (const nlohmann::json& warning : Elements(Field(sigma, "warnings")))
-    html += Paragraph(EscapeHtml(TextOf(warning, "message")) + ".", "soft");
+    html += Paragraph(TextCell(warning, "message") + ".", "soft");
   return html;
 }
 
@@ -167,18 +149,82 @@ std::string RiskCoverageChart(const nlohmann::json& sigma) {
   return PlotHtml(chart);
 }
 
+/// The skeleton's rest pose from the front with a dot at each joint, as wide as its mean error.
+std::string JointErrorFigure(const nlohmann::json& joints_mm, const Skeleton& skeleton) {
+  constexpr double kSide = 360.0, kEdge = 24.0, kWidest = 22.0;
+  std::vector<Vector3d> places;
+  for (const Joint& joint : skeleton.joints) {
+    places.push_back(joint.rest_offset + (joint.parent < 0 ? Vector3d::Zero() : places[joint.parent]));
+  }
+  Eigen::AlignedBox2d box;
+  for (const Vector3d& place : places) box.extend(place.head<2>());
+  const double scale = (kSide - 2.0 * kEdge) / std::max(1e-9, box.sizes().maxCoeff());
+  const auto at = [&](std::size_t j) {
+    return Vector2d(kSide / 2.0 + scale * (places[j].x() - box.center().x()),
+                    kEdge + scale * (box.max().y() - places[j].y()));
+  };
+  double most = 0.0;
+  for (const Joint& joint : skeleton.joints)
+    most = std::max(most, NumberOf(joints_mm, joint.name.c_str()).value_or(0.0));
+  if (most <= 0.0) return "";
+  Drawing drawing{kSide, 2.0 * kEdge + scale * box.sizes().y(), "Mean error of each joint, on the body from the front"};
+  for (std::size_t j = 1; j < places.size(); ++j) {
+    drawing.Line({at(static_cast<std::size_t>(skeleton.joints[j].parent)), at(j)}, 2.0, kFaintColour);
+  }
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    const auto mm = NumberOf(joints_mm, skeleton.joints[j].name.c_str());
+    if (!mm) continue;
+    drawing.Dot(at(j), 3.0 + kWidest * *mm / most, *mm > 0.75 * most ? kBadColour : kAfterColour,
+                skeleton.joints[j].name + ": " + FixedText(*mm, 1) + " mm");
+  }
+  return Figure("Mean error of each joint, from the front: the widest dot is " + FixedText(most, 1) + " mm",
+                ToInlineSvg(drawing));
+}
+
+/// Errors of joints, the largest first, on a body and as a table; and of labels.
+std::string ErrorsByPart(const nlohmann::json& error, const Skeleton* skeleton) {
+  const auto table_of = [](const std::string& name, const char* head, const nlohmann::json& values) {
+    HtmlTable table{name, {head, "Joint position, mm"}};
+    std::vector<std::pair<double, std::string>> sorted;
+    for (const auto& [key, value] : values.items()) {
+      const auto mm = value.is_object() ? NumberOf(value, "joint_mm") : NumberOf(values, key.c_str());
+      if (mm) sorted.emplace_back(-*mm, key);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    for (const auto& [mm, key] : sorted)
+      table.rows.push_back({key.empty() ? "no label" : EscapeHtml(key), FixedText(-mm, 1)});
+    return table.rows.size() < 2 ? std::string() : "<div>" + table.Html() + "</div>\n";
+  };
+  const nlohmann::json& joints = Field(error, "joints_mm");
+  const std::string figure = skeleton == nullptr ? "" : JointErrorFigure(joints, *skeleton);
+  const std::string inside = figure + table_of("Mean error by joint", "Joint", joints) +
+                             table_of("Mean error by label", "Label", Field(error, "labels"));
+  return inside.empty() ? "" : "<div class=\"charts\">\n" + inside + "</div>\n";
+}
+
 }  // namespace
 
 std::string QualityHtml(const ReportInput& input) {
-  HtmlTable table{"Medians over clips, before (evidence) and after (fitted motion)",
-                  {"", "Before", "After", "Before, 95th percentile", "After, 95th percentile"}};
+  // Depth has no joints to measure before the fit.
+  const bool measured = std::any_of(std::begin(kMeasures), std::end(kMeasures), [&](const Measure& measure) {
+    return !OverClips(input.run, "before", measure.key).empty();
+  });
+  HtmlTable table{"Medians over clips of the fitted motion", {"", "Median", "95th percentile"}};
+  if (measured) {
+    table = {"Medians over clips, before (evidence) and after (fitted motion)",
+             {"", "Before", "After", "Before, 95th percentile", "After, 95th percentile"}};
+  }
   std::string charts;
   for (const Measure& measure : kMeasures) {
     const auto before = Scaled(OverClips(input.run, "before", measure.key), measure.factor);
     const auto after = Scaled(OverClips(input.run, "after", measure.key), measure.factor);
     if (before.empty() && after.empty()) continue;
     const std::string name = std::string(measure.name) + ", " + measure.unit;
-    table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
+    if (measured) {
+      table.rows.push_back({name, MedianCell(before), MedianCell(after), HighCell(before), HighCell(after)});
+    } else {
+      table.rows.push_back({name, MedianCell(after), HighCell(after)});
+    }
     const bool flat = Quantile(before, 1.0) < 1e-3 && Quantile(after, 1.0) < 1e-3;
     if (flat || before.size() + after.size() < kFewClips) continue;
     charts += PlotHtml(Histogram(name, measure.unit, before, after));
@@ -205,15 +251,15 @@ std::string TruthHtml(const ReportInput& input) {
     const auto value = NumberOf(error, key);
     return value && *value > 0.0 ? FixedText(*value, 2) : std::string("–");
   };
-  HtmlTable table{
-      "Mean over " + CountText(CountOf(error, "frames")) + " frames, clips: " + CountText(CountOf(error, "clips")),
-      {"", "Evidence (before)", "Fitted (after)"}};
+  HtmlTable table{"Mean over " + CountCell(error, "frames") + " frames, clips: " + CountCell(error, "clips"),
+                  {"", "Evidence (before)", "Fitted (after)"}};
   table.rows.push_back({"Joint position, mm", cell("evidence_mm"), cell("joint_mm")});
   table.rows.push_back({"Joint rotation, degrees", "–", cell("rotation_deg")});
   table.rows.push_back({"Bone direction, degrees", "–", cell("bone_direction_deg")});
   const nlohmann::json& sigma = Field(error, "sigma");
   const std::string charts = CoverageChart(error) + RiskCoverageChart(sigma);
-  return table.Html() + SigmaTable(sigma) +
+  const Skeleton* skeleton = input.dataset ? input.dataset->skeleton.get() : nullptr;
+  return table.Html() + ErrorsByPart(error, skeleton) + SigmaTable(sigma) +
          (charts.empty() ? "" : "<div class=\"charts wide\">" + charts + "</div>\n") +
          Paragraph("Only the evaluation reads the truth; no earlier stage does.", "soft");
 }
@@ -223,37 +269,19 @@ std::string FilmstripsHtml(const ReportInput& input) {
   if (input.drawn.empty())
     html += Paragraph("No clip has a fit to draw.");
   else {
-    html += Paragraph(
-        "Fits ordered by residual, from the best to the worst. Play the clip; rotate it by dragging or with "
-        "the arrow keys.");
+    html += Paragraph("Fits ordered by residual, from the best to the worst; a name opens its clip in 3-D.");
     html += Paragraph(
         "<span class=\"k-before\"></span>evidence (grey lines, light points)<span class=\"k-left\"></span>left side "
         "and trunk of the fit"
         "<span class=\"k-right\"></span>right side",
         "key soft");
   }
-  std::size_t overlays = 0;
-  for (std::size_t i = 0; i < input.drawn.size(); ++i) {
-    const DrawnClip& clip = input.drawn[i];
+  for (const DrawnClip& clip : input.drawn) {
     html += "<h3>" + ViewerLink(input, clip.item, 0, clip.item) + "</h3>\n" + Figures(clip) +
-            "<div class=\"clip\"><div>\n" + ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip))) + "</div>\n" +
-            PlayerHtml(clip.item, std::to_string(i), TracksOf(clip) != nullptr) + "</div>\n";
-    if (overlays < kOverlayClips && !clip.evidence.evidence.depth_views.empty()) {
-      html += Overlays(clip);
-      ++overlays;
-    }
+            ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip)));
   }
   for (const std::string& reason : input.not_drawn) html += Paragraph("Not drawn: " + EscapeHtml(reason), "soft");
   return html;
-}
-
-nlohmann::json PlayersJson(const ReportInput& input) {
-  nlohmann::json players = nlohmann::json::array();
-  for (const DrawnClip& clip : input.drawn) {
-    const int numbers = kPlayerNumbers / static_cast<int>(input.drawn.size());
-    players.push_back(PlayerData(clip.item, *clip.fitted.motion, TracksOf(clip), numbers));
-  }
-  return players;
 }
 
 std::string PersonsHtml(const ReportInput& input) {

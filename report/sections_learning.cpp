@@ -5,7 +5,6 @@
 #include "core/base/text.h"
 #include "report/charts.h"
 #include "report/html.h"
-#include "report/motion_rows.h"
 #include "report/page.h"
 #include "report/run_facts.h"
 
@@ -17,7 +16,7 @@ constexpr int kMostPoints = 240;
 /// A table {"title", "rows": [cells, the heading first], "notes"} of texts; empty where it is null.
 std::string HtmlOfTexts(const nlohmann::json& texts) {
   if (!texts.is_object()) return "";
-  HtmlTable table{EscapeHtml(TextOf(texts, "title")), {}};
+  HtmlTable table{TextCell(texts, "title"), {}};
   for (const nlohmann::json& row : Elements(Field(texts, "rows"))) {
     std::vector<std::string> cells;
     for (const nlohmann::json& cell : row) cells.push_back(EscapeHtml(cell.get<std::string>()));
@@ -128,11 +127,21 @@ std::string RecogniserCharts(const std::string& kind,
   Plot accuracy{kind + ": accuracy on the validation fold by seed", "step", "accuracy", {}};
   for (const auto& [item, training] : seeds) {
     const nlohmann::json& history = Field(*training, "history");
-    const std::vector<double> values = NumbersOf(Field(history, "loss"));
-    if (!values.empty()) loss.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "step")), values)});
-    const std::vector<double> checked = NumbersOf(Field(history, "validation_accuracy"));
-    if (!checked.empty())
-      accuracy.curves.push_back({"seed " + item, Thinned(NumbersOf(Field(history, "check_step")), checked)});
+    const std::vector<double> values = NumbersOf(Field(history, "loss")), steps = NumbersOf(Field(history, "step"));
+    const std::vector<double> checked = NumbersOf(Field(history, "validation_accuracy")),
+                              checks = NumbersOf(Field(history, "check_step"));
+    // The last check ends the training without the validation part; that on all clips begins anew.
+    const bool anew = Field(*training, "refit") == true && !checks.empty() && steps.size() == values.size();
+    const auto end = anew ? std::upper_bound(steps.begin(), steps.end(), checks.back()) : steps.end();
+    const auto first = static_cast<std::ptrdiff_t>(end - steps.begin());
+    if (!values.empty()) {
+      loss.curves.push_back({"seed " + item, Thinned({steps.begin(), end}, {values.begin(), values.begin() + first})});
+    }
+    if (end != steps.end()) {
+      loss.curves.push_back({"seed " + item + ", begun anew on all clips",
+                             Thinned({end, steps.end()}, {values.begin() + first, values.end()})});
+    }
+    if (!checked.empty()) accuracy.curves.push_back({"seed " + item, Thinned(checks, checked)});
   }
   return PlotHtml(loss) + PlotHtml(accuracy);
 }
@@ -143,50 +152,30 @@ std::string UntrainedHtml(const nlohmann::json& run) {
   const nlohmann::json& untrained = Field(run, "untrained");
   if (!untrained.is_object()) return "";
   for (const auto& [item, error] : untrained.items()) {
-    table.rows.push_back({EscapeHtml(item), EscapeHtml(TextOf(error, "code")), EscapeHtml(TextOf(error, "message"))});
+    table.rows.push_back({EscapeHtml(item), TextCell(error, "code"), TextCell(error, "message")});
   }
   return table.rows.empty() ? "" : table.Html();
-}
-
-/// The first clip of a class; null where it has none.
-const Clip* FirstOfLabel(const Dataset& set, const std::string& label) {
-  const auto found = std::find_if(set.clips.begin(), set.clips.end(), [&](const Clip& clip) {
-    return clip.label == label && clip.motion && clip.motion->frame_count() > 0;
-  });
-  return found == set.clips.end() ? nullptr : &*found;
-}
-
-std::string Strip(const std::string& title, const Clip* clip) {
-  return Figure(EscapeHtml(title), clip == nullptr ? "none" : ToInlineSvg(DrawFilmstrip(*clip)));
 }
 
 }  // namespace
 
 std::string GeneratedHtml(const ReportInput& input) {
-  std::string failed;
+  std::string html;
   for (const auto& [network, reason] : Field(input.run, "ungenerated").items()) {
-    failed +=
-        Paragraph(EscapeHtml(network) + " generated no motions: " + EscapeHtml(reason.get<std::string>()), "soft");
+    html += Paragraph(EscapeHtml(network) + " generated no motions: " + EscapeHtml(reason.get<std::string>()), "soft");
   }
-  if (input.generated.empty() || !input.dataset) {
-    return failed.empty() ? Paragraph("No network of this run generated motions.") : failed;
+  const std::string viewer = EscapeHtml(TextOf(Field(input.run, "viewers"), "generated"));
+  if (viewer.empty() && html.empty()) {
+    return Paragraph(input.options.viewer ? "No network of this run generated motions."
+                                          : "<code>report.viewer: false</code> leaves out generated motions.");
   }
-  std::string html = failed + Paragraph(
-                                  "One motion of each class by each network, its first seed, beside the first real "
-                                  "one. They are not selected.");
-  if (const std::string viewer = TextOf(Field(input.run, "viewers"), "generated"); !viewer.empty()) {
-    html +=
-        Paragraph("<a href=\"" + EscapeHtml(viewer) + "\">In motion, side by side</a>: three samples of each class.");
-  }
-  bool open = true;
-  for (const std::string& label : input.dataset->labels) {
-    html += "<details" + std::string(open ? " open" : "") + "><summary>" + EscapeHtml(label) + "</summary>" +
-            Strip("Real", FirstOfLabel(*input.dataset, label));
-    for (const auto& [network, set] : input.generated) html += Strip(network, FirstOfLabel(set, label));
-    html += "</details>\n";
-    open = false;
-  }
-  return html;
+  if (viewer.empty()) return html;
+  return html +
+         Paragraph(
+             "Three motions of each class by each network, its first seed, beside real ones. They are not "
+             "selected. <a href=\"" +
+             viewer + "\">In a page of their own</a>.") +
+         "<iframe src=\"" + viewer + "\" title=\"Generated motions beside real ones\" loading=\"lazy\"></iframe>\n";
 }
 
 std::string TableHtml(const ReportInput& input) {
@@ -197,7 +186,7 @@ std::string TableHtml(const ReportInput& input) {
   }
   const nlohmann::json& failed = Field(input.run, "unevaluated");
   if (failed.is_object()) {
-    return Paragraph("There is no table: the evaluation failed. " + EscapeHtml(TextOf(failed, "message")));
+    return Paragraph("There is no table: the evaluation failed. " + TextCell(failed, "message"));
   }
   return Paragraph("The run ended before the evaluation, or trained nothing to evaluate.");
 }
@@ -216,14 +205,14 @@ std::string RecognisersHtml(const ReportInput& input) {
     std::string seeds;
     for (const double accuracy : NumbersOf(Field(scored, "test_accuracy")))
       seeds += (seeds.empty() ? "" : ", ") + FixedText(accuracy, 3);
-    table.rows.push_back({EscapeHtml(name), FixedText(*mean, 3), seeds, CountText(CountOf(scored, "test_clips"))});
+    table.rows.push_back({EscapeHtml(name), FixedText(*mean, 3), seeds, CountCell(scored, "test_clips")});
   }
   nlohmann::json nearest = Field(metrics, "nearest_neighbour");
   if (!nearest.is_object()) nearest = Field(Field(input.run, "audit"), "nearest_neighbour");
   if (const auto accuracy = NumberOf(nearest, "accuracy")) {
     const bool scored = NumberOf(nearest, "count").value_or(0.0) > 0.0;
     table.rows.push_back({"Nearest neighbour, without training", scored ? FixedText(*accuracy, 3) : "not scored", "–",
-                          CountText(CountOf(nearest, "count"))});
+                          CountCell(nearest, "count")});
   }
   if (table.rows.empty()) return Paragraph("No recogniser was scored in this run.");
   std::string html = table.Html() + HtmlOfTexts(Field(input.run, "recognition"));
@@ -267,16 +256,16 @@ std::string StopsHtml(const ReportInput& input) {
       false};
   for (const auto& [item, training] : Trainings(input.run)) {
     if (IsRecogniser(*training)) {
-      recognisers.rows.push_back(
-          {EscapeHtml(item), NumberCell(*training, "epochs", 0), NumberCell(*training, "batch", 0),
-           NumberCell(*training, "chosen_epoch", 0), NumberCell(*training, "validation_accuracy", 3),
-           NumberCell(*training, "train_accuracy", 3), EscapeHtml(TextOf(*training, "validation_rule"))});
+      recognisers.rows.push_back({EscapeHtml(item), NumberCell(*training, "epochs", 0),
+                                  NumberCell(*training, "batch", 0), NumberCell(*training, "chosen_epoch", 0),
+                                  NumberCell(*training, "validation_accuracy", 3),
+                                  NumberCell(*training, "train_accuracy", 3), TextCell(*training, "validation_rule")});
       continue;
     }
     const auto clips = NumberOf(*training, "clips");
     const double passes = NumberOf(*training, "iterations").value_or(0.0) * NumberOf(*training, "batch").value_or(0.0);
-    generators.rows.push_back({EscapeHtml(item), CountText(CountOf(*training, "iterations")),
-                               NumberCell(*training, "batch", 0), NumberCell(*training, "clips", 0),
+    generators.rows.push_back({EscapeHtml(item), CountCell(*training, "iterations"), NumberCell(*training, "batch", 0),
+                               NumberCell(*training, "clips", 0),
                                clips && *clips > 0.0 ? FixedText(passes / *clips, 1) : "–",
                                NumberCell(*training, "loss", 4)});
   }

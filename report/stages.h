@@ -10,7 +10,6 @@ Expected<StageOutcome> ReportStage(const StageRequest& request);
 
 /// One fitted clip (roles "evidence", "fit", "depth") -> a PNG. Options {"kind": clip | overlay | cloud}: stills of the
 /// clip, the body over its first depth view, or the bones inside the fused cloud, at the middle frame.
-Expected<StageOutcome> PictureStage(const StageRequest& request);
 
 /// One fitted clip (roles "evidence", "fit", "depth") -> an HTML page about it.
 Expected<StageOutcome> ClipPageStage(const StageRequest& request);
@@ -59,6 +58,5 @@ StageDeclaration ReviewDeclaration();
 StageDeclaration AnnotateDeclaration();
 StageDeclaration SurveyDeclaration();
 StageDeclaration ViewDeclaration();
-StageDeclaration PictureDeclaration();
 
 }  // namespace mocurate

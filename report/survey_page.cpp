@@ -17,71 +17,60 @@
 #include "core/store/dataset_clips.h"
 #include "report/filmstrip.h"
 #include "report/html.h"
-#include "report/page_scripts.h"
-#include "report/review_script.h"
-#include "report/skin_player.h"
+#include "report/page_files.h"
 #include "report/stages.h"
 #include "report/survey.h"
-#include "report/survey_script.h"
 #include "report/viewer_data.h"
 
 namespace mocurate {
 namespace {
 
-constexpr int kMostNumbers = 400000;      ///< of one motion: 60 s at 30 Hz of 74 joints
 constexpr FrameRate kHighestRate{30, 1};  ///< keeps pages small
 constexpr double kShortQuestion = 1.0;    ///< seconds
 constexpr double kShownPart = 0.85;       ///< of the shortest motion of a question
 constexpr double kMostBytes = 64e6;       ///< of a page
-constexpr std::size_t kMostJoints = 64;   ///< of a skin: uniforms of a shader
-constexpr std::size_t kMostVertices = 65536;
-
 /// Clips of each question, in the order of the page.
 using ShownClips = std::vector<std::vector<Clip>>;
 
-/// A motion of kSkinScript, in the view of the player.
-nlohmann::json PoseJson(const Motion& motion) {
-  std::string frames;
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    const Vector3d root = motion.root_translation[f] - motion.root_translation[0];
-    for (int i = 0; i < 3; ++i) Append16(std::clamp(1e3 * root[i], -32767.0, 32767.0), frames);
-    for (int j = 0; j < motion.joint_count(); ++j) {
-      const Quaterniond& rotation = motion.rotation_at(f, j);
-      for (const double value : {rotation.w(), rotation.x(), rotation.y(), rotation.z()})
-        Append16(32767.0 * value, frames);
-    }
-  }
-  const Viewpoint view = FrontView(motion);
-  return {{"hz", motion.rate.hz()},
-          {"yaw", std::round(view.yaw * 1e3) / 1e3},
-          {"pitch", view.pitch},
-          {"frames", Base64(frames)}};
-}
-
 /// One self-contained page, which asks one question at a time and saves answers_PARTICIPANT.json. Of the key it has the
-/// ids and labels of the questions alone: no name of a source or clip. `body`: of BodyJson, or null.
-std::string MakeSurveyPage(const SurveyKey& key, const ShownClips& shown, const nlohmann::json& body) {
+/// ids and labels of the questions alone: no name of a source or clip. `body`: a skin of all motions, or null.
+Expected<std::string> MakeSurveyPage(const SurveyKey& key, const ShownClips& shown, const Skin* body) {
   const std::string survey = SurveyId(key);
-  nlohmann::json page = {
-      {"survey", survey}, {"kind", Name(key.kind)}, {"body", body}, {"questions", nlohmann::json::array()}};
+  nlohmann::json page = {{"survey", survey}, {"kind", Name(key.kind)}, {"questions", nlohmann::json::array()}};
+  std::vector<std::string> parts;
+  ViewerData data([&](int, const std::string& bytes) {
+    parts.push_back(Base64(bytes));
+    return Status();
+  });
+  int skin = -1;
+  if (body != nullptr) {
+    const auto added = data.AddSkin(*body, *shown.front().front().motion->skeleton);
+    if (!added) return Forward(added);
+    skin = *added;
+  }
   for (std::size_t q = 0; q < key.questions.size(); ++q) {
     nlohmann::json motions = nlohmann::json::array();
     for (const Clip& clip : shown[q]) {
-      motions.push_back(body.is_null() ? PlayerData("motion", *clip.motion, nullptr, kMostNumbers)
-                                       : PoseJson(*clip.motion));
+      Clip unnamed;
+      unnamed.motion = clip.motion;
+      unnamed.rate = clip.rate;
+      motions.push_back(data.clips());
+      ViewedClip viewed{unnamed};
+      viewed.skin = skin;
+      if (Status added = data.Add(0, viewed); !added) return Forward(added);
     }
     page["questions"].push_back(
         {{"id", key.questions[q].id}, {"label", key.questions[q].label}, {"motions", std::move(motions)}});
   }
-  std::string html =
-      PageHead("Survey", std::string(kPageStyle) + kReviewStyle + kSurveyStyle) + "<body>\n" + kSurveyBody +
-      "<template id=\"player\">" + PlayerHtml("this motion", "motion", false) + "</template>\n<footer>\n" +
-      Paragraph("Survey " + EscapeHtml(survey) + ", made by " + EscapeHtml(CreatedBy()) + ".") +
-      "</footer>\n<script type=\"application/json\" id=\"survey-data\">" + JsonForScript(page) + "</script>\n";
-  for (const char* script : {kPlayerScript, kPageToolsScript, body.is_null() ? "" : kSkinScript, kSurveyScript}) {
-    html += "<script>" + std::string(script) + "</script>\n";
-  }
-  return html + "</body>\n</html>\n";
+  if (Status finished = data.Finish(); !finished) return Forward(finished);
+  std::vector<std::string_view> scripts = {"data.js", "player.js", "drawn.js", "page_tools.js", "survey.js"};
+  if (body != nullptr) scripts.insert(scripts.begin(), {"three.min.js", "figures.js", "stages.js"});
+  return PageHead("Survey", PageStyles({"review.css", "survey.css"})) + "<body>\n" +
+         std::string(PageFile("survey.html")) + "<template id=\"player\">" + PlayerHtml("this motion") +
+         "</template>\n<footer>\n" +
+         Paragraph("Survey " + EscapeHtml(survey) + ", made by " + EscapeHtml(CreatedBy()) + ".") +
+         "</footer>\n<script type=\"application/json\" id=\"survey-data\">" + JsonForScript(page) + "</script>\n" +
+         MotionsHtml(data.Index(), parts, scripts) + "</body>\n</html>\n";
 }
 
 /// A file of motions, and the index of each clip in it.
@@ -158,19 +147,6 @@ Status MakeAlike(const SurveyOptions& options, const SurveyKey& key, ShownClips&
   return {};
 }
 
-/// Of kSkinScript. Errors of ReadSkin, kUnsupported for what a page cannot hold.
-Expected<nlohmann::json> ReadBody(const std::filesystem::path& file, const Skeleton& skeleton) {
-  const auto skin = ReadSkin(file, skeleton);
-  if (!skin) return Forward(skin);
-  if (skin->joints.size() > kMostJoints || skin->vertices.size() > kMostVertices) {
-    return Fail(ErrorCode::kUnsupported,
-                std::to_string(skin->joints.size()) + " joints and " + std::to_string(skin->vertices.size()) +
-                    " vertices; a page has at most 64 and 65536",
-                DisplayPath(file), "use SMPL or body_cc0, or --figure bones");
-  }
-  return SkinJson(*skin, skeleton);
-}
-
 /// Problems of a survey: cues that may reveal the sources although the page names none, and meaningless questions.
 nlohmann::json NotesOf(const ShownClips& shown, const SurveyKey& key) {
   const Skeleton& skeleton = *shown.front().front().motion->skeleton;
@@ -231,22 +207,23 @@ Expected<StageOutcome> SurveyStage(const StageRequest& request) {
       key->questions[q].shown[i].fingerprint = MotionFingerprint(*(*shown)[q][i].motion);
     }
   }
-  nlohmann::json body;
+  std::optional<Skin> body;
   if (const StageInput* input = FindInput(request, "body")) {
-    auto read = ReadBody(input->path, *shown->front().front().motion->skeleton);
+    auto read = ReadSkin(input->path, *shown->front().front().motion->skeleton);
     if (!read) return Forward(read);
     body = std::move(*read);
   }
-  const std::string page = MakeSurveyPage(*key, *shown, body);
-  if (static_cast<double>(page.size()) > kMostBytes) {
+  const auto page = MakeSurveyPage(*key, *shown, body ? &*body : nullptr);
+  if (!page) return Forward(page);
+  if (static_cast<double>(page->size()) > kMostBytes) {
     return Fail(ErrorCode::kUsage,
-                RoundedText(static_cast<double>(page.size()) / 1e6, 3) + " MB; a page has at most 64 MB", "--questions",
-                "ask fewer questions, or set --seconds to less");
+                RoundedText(static_cast<double>(page->size()) / 1e6, 3) + " MB; a page has at most 64 MB",
+                "--questions", "ask fewer questions, or set --seconds to less");
   }
-  if (Status written = WriteFile(request.output, page); !written) return Forward(written);
+  if (Status written = WriteFile(request.output, *page); !written) return Forward(written);
   StageOutcome outcome;
   outcome.summary = {
-      {"bytes", page.size()}, {"motions", motions}, {"notes", NotesOf(*shown, *key)}, {"key", KeyToJson(*key)}};
+      {"bytes", page->size()}, {"motions", motions}, {"notes", NotesOf(*shown, *key)}, {"key", KeyToJson(*key)}};
   return outcome;
 }
 

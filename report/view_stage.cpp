@@ -3,13 +3,18 @@
 #include <set>
 
 #include "core/base/file.h"
+#include "core/base/json_text.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "core/motion/operations.h"
 #include "core/store/dataset_clips.h"
+#include "core/store/truth_motions.h"
 #include "report/html.h"
 #include "report/options.h"
+#include "report/run_facts.h"
 #include "report/stages.h"
 #include "report/viewer_data.h"
+#include "report/viewer_evidence.h"
 
 namespace mocurate {
 namespace {
@@ -33,45 +38,61 @@ bool IsAsked(const Clip& clip, const ViewerOptions& options) {
                                               [&](const std::string& name) { return IsCalled(clip, name); });
 }
 
-/// The evidence of a clip's recording, brought into the clip's world.
-struct ClipEvidence {
-  std::optional<JointTracks> tracks;
-  std::vector<Camera> cameras;
+/// What an audit says about the clips of a set, by id.
+struct SetAudit {
+  std::map<std::string, nlohmann::json> clips;  ///< its lines: "map_x", "map_y", "nearest"
+  std::map<std::string, std::vector<Finding>> findings;
 };
 
-/// Errors of reading. `files`: evidence by recording.
-Expected<ClipEvidence> EvidenceOf(const Clip& clip, const std::map<std::string, fs::path>& files) {
-  ClipEvidence seen;
-  const auto file = files.find(RecordingOf(clip.id()));
-  if (file == files.end()) return seen;
-  const auto recorded = ReadEvidence(file->second);
-  if (!recorded) return Forward(recorded);
-  const Evidence& evidence = recorded->evidence;
-  if (evidence.tracks) seen.tracks = TracksOfClip(clip, *evidence.tracks);
-  for (const DepthView& view : evidence.depth_views) seen.cameras.push_back(view.camera);
-  for (const KeypointView& view : evidence.keypoint_views) seen.cameras.push_back(view.camera);
-  for (Camera& camera : seen.cameras) {
-    camera.camera_from_world = camera.camera_from_world * Inverse(clip.canonical_from_source);
+/// Errors of reading, and kMalformed for another file.
+Status AddAudit(const StageInput& input, SetAudit& audit) {
+  const auto file = ReadJson(input.path);
+  if (!file) return Forward(file);
+  return GuardJson(input.name, [&] {
+    for (const nlohmann::json& line : file->at("clips")) audit.clips[line.at("clip").get<std::string>()] = line;
+    for (const nlohmann::json& found : file->at("findings")) {
+      audit.findings[found.at("clip").get<std::string>()].push_back(found.get<Finding>());
+    }
+  });
+}
+
+/// What stands beside a set of motions: inputs "ROLE of NAME".
+std::vector<const StageInput*> Beside(const StageRequest& request, const std::string& role, const std::string& name) {
+  std::vector<const StageInput*> found;
+  for (const StageInput& input : request.inputs) {
+    if (input.role == role + " of " + name) found.push_back(&input);
   }
-  return seen;
+  return found;
 }
 
 /// Clips of a set, one at a time. `without`: clips that have no motion.
-Status AddSet(const StageInput& input, const ViewerOptions& options, const StageInput* body,
-              const std::map<std::string, fs::path>& evidence, ViewerData& data, std::vector<std::string>& without) {
+Status AddSet(const StageRequest& request, const StageInput& input, const ViewerOptions& options, ViewerData& data,
+              std::vector<std::string>& without) {
   const auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kHashes);
   if (!clips) return Forward(clips);
   const auto outline = clips->Outline();
   if (!outline) return Forward(outline);
+  RecordedEvidence evidence(request, input.name, options.clouds);
+  SetAudit audit;
+  for (const StageInput* file : Beside(request, "audit", input.name)) {
+    if (Status added = AddAudit(*file, audit); !added) return added;
+  }
+  TruthMotions truth;
+  for (const StageInput* file : Beside(request, "truth", input.name)) {
+    if (Status added = truth.Add(file->path); !added) return added;
+  }
   const int source = data.AddSource(input.name);
+  int truth_source = -1;
   const std::map<int, std::string> parts = PartsOf(*outline);
-  std::map<std::string, std::vector<Finding>> findings;
+  std::map<std::string, std::vector<Finding>> findings = audit.findings;
   for (const Finding& finding : outline->findings) findings[finding.clip].push_back(finding);
   int skin_number = -1;
+  const StageInput* body = FindInput(request, "body");
   if (body != nullptr && !outline->joints_only && outline->skeleton) {
     const auto skin = ReadSkin(body->path, *outline->skeleton);
-    if (!skin && !options.skin_if_it_fits) return Forward(skin);
-    if (skin) skin_number = data.AddSkin(*skin, *outline->skeleton);
+    const auto added = skin ? data.AddSkin(*skin, *outline->skeleton) : Forward(skin);
+    if (!added && !options.skin_if_it_fits) return Forward(added);
+    if (added) skin_number = *added;
   }
   std::map<std::string, std::int64_t> shown;  // of each label
   for (std::size_t row = 0; row < clips->size(); ++row) {
@@ -84,17 +105,31 @@ Status AddSet(const StageInput& input, const ViewerOptions& options, const Stage
       continue;
     }
     const auto part = parts.find(static_cast<int>(row));
-    const auto seen = EvidenceOf(*clip, evidence);
+    const auto seen = evidence.Of(*clip);
     if (!seen) return Forward(seen);
     const std::string group = options.per_label == 0 ? "" : clip->label.empty() ? "no label" : clip->label;
-    const ViewedClip viewed{*clip,
-                            FindingsOf(*clip, findings),
-                            part == parts.end() ? "" : part->second,
-                            group,
-                            seen->tracks ? &*seen->tracks : nullptr,
-                            seen->cameras,
-                            skin_number};
+    ViewedClip viewed{*clip,
+                      FindingsOf(*clip, findings),
+                      part == parts.end() ? "" : part->second,
+                      group,
+                      seen->tracks ? &*seen->tracks : nullptr,
+                      seen->cameras,
+                      seen->clouds,
+                      skin_number};
+    const nlohmann::json& line = audit.clips[clip->id()];
+    if (Field(line, "map_x").is_number()) viewed.place = {line["map_x"], line["map_y"]};
+    viewed.nearest = Field(line, "nearest");
     if (Status added = data.Add(source, viewed); !added) return added;
+    auto real = truth.Of(*clip);
+    if (!real) continue;
+    if (truth_source < 0) truth_source = data.AddSource("truth");
+    Clip true_clip;
+    true_clip.identity = clip->identity;
+    true_clip.label = clip->label;
+    true_clip.rate = clip->rate;
+    true_clip.motion = std::move(*real);
+    Transform(clip->canonical_from_source, true_clip);
+    if (Status added = data.Add(truth_source, {true_clip, {}, "", group}); !added) return added;
   }
   return {};
 }
@@ -113,15 +148,10 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
     digest.Add(text);
     return WriteFile(request.output / PartName(part), text);
   });
-  const StageInput* body = FindInput(request, "body");
   std::vector<std::string> without;
   for (const StageInput& input : request.inputs) {
     if (input.role != "motions") continue;
-    std::map<std::string, fs::path> evidence;
-    for (const StageInput& other : request.inputs) {
-      if (other.role == "evidence of " + input.name) evidence[other.name] = other.path;
-    }
-    if (Status added = AddSet(input, *options, body, evidence, data, without); !added) return Forward(added);
+    if (Status added = AddSet(request, input, *options, data, without); !added) return Forward(added);
   }
   if (Status finished = data.Finish(); !finished) return Forward(finished);
   if (data.clips() == 0) {

@@ -15,7 +15,6 @@
 #include "report/filmstrip.h"
 #include "report/html.h"
 #include "report/page_files.h"
-#include "report/page_scripts.h"
 
 namespace mocurate {
 namespace {
@@ -25,7 +24,12 @@ constexpr double kMost16 = 32767.0;
 const Vector3d kNowhere = Vector3d::Constant(std::nan(""));
 constexpr int kMostUnit = 100;  // a point may be 327 m from its root
 
-std::uint16_t Bits16(double value) { return static_cast<std::uint16_t>(std::lround(value)); }
+/// A rounded number, little-endian.
+void Append16(double value, std::string& bytes) {
+  const auto bits = static_cast<std::uint16_t>(std::lround(value));
+  bytes += static_cast<char>(bits & 0xFFU);
+  bytes += static_cast<char>(bits >> 8U);
+}
 
 /// Tenths of a millimetre of one step, so that every joint and point is within 16 bits of the root.
 int UnitOf(const Motion& motion, const JointTracks* tracks) {
@@ -113,6 +117,12 @@ std::string Packed(const ViewedClip& viewed, int unit) {
                                (motion.contact[2 * static_cast<std::size_t>(f) + 1] != 0 ? 2 : 0));
   }
   Pad(bytes);
+  for (const std::vector<Vector3d>& cloud : viewed.clouds) Append16(static_cast<double>(cloud.size()), bytes);
+  Pad(bytes);
+  for (std::size_t f = 0; f < viewed.clouds.size(); ++f) {
+    for (const Vector3d& place : viewed.clouds[f]) AppendPlace(place - roots[f], step, bytes);
+  }
+  Pad(bytes);
   return bytes;
 }
 
@@ -131,6 +141,28 @@ void AppendWeights(const double* weights, std::size_t joints, std::string& bytes
   }
   for (const long share : shares) bytes += static_cast<char>(share);
   for (std::size_t k = 0; k < kWeights; ++k) bytes += static_cast<char>(strongest[k].second);
+}
+
+/// A skin for scripts: {"parents", "joints" (3J), "vertices" int16 (V,3), both tenths of a millimetre, "faces" uint16
+/// (F,3), "weights" uint8 (V,8): four weights of sum 255 and their joints}; arrays in base64.
+nlohmann::json SkinJson(const Skin& skin, const Skeleton& skeleton) {
+  nlohmann::json json = {{"parents", nlohmann::json::array()}, {"joints", nlohmann::json::array()}};
+  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+    json["parents"].push_back(skeleton.joints[j].parent);
+    for (int i = 0; i < 3; ++i) json["joints"].push_back(std::lround(kTenths * skin.joints[j][i]));
+  }
+  std::string vertices, faces, weights;
+  for (std::size_t v = 0; v < skin.vertices.size(); ++v) {
+    for (int i = 0; i < 3; ++i) Append16(kTenths * skin.vertices[v][i], vertices);
+    AppendWeights(&skin.weights[v * skin.joints.size()], skin.joints.size(), weights);
+  }
+  for (const std::array<int, 3>& face : skin.faces) {
+    for (const int corner : face) Append16(corner, faces);
+  }
+  json["vertices"] = Base64(vertices);
+  json["faces"] = Base64(faces);
+  json["weights"] = Base64(weights);
+  return json;
 }
 
 /// Eye and corners of a camera's view at 0.3 m, numbers in a row.
@@ -154,30 +186,6 @@ double Rounded(double value, double steps) { return std::round(value * steps) / 
 
 }  // namespace
 
-JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded) {
-  const int frames = clip.motion->frame_count(), points = recorded.positions.joints;
-  JointTracks tracks;
-  tracks.names = recorded.names;
-  tracks.positions = JointPositions(frames, points);
-  tracks.confidence.assign(static_cast<std::size_t>(frames) * points, 0.0);
-  if (recorded.time_s.empty()) return tracks;
-  const double begin = recorded.time_s.front() + BeginInRecording(clip), half = 0.5 / RecordedRate(clip).hz() + 1e-6;
-  for (int f = 0; f < frames; ++f) {
-    const double time = begin + clip.motion->rate.FrameTime(f);
-    auto next = std::lower_bound(recorded.time_s.begin(), recorded.time_s.end(), time);
-    if (next == recorded.time_s.end() || (next != recorded.time_s.begin() && time - *std::prev(next) < *next - time))
-      --next;
-    if (std::abs(*next - time) > half) continue;
-    const auto sample = static_cast<int>(next - recorded.time_s.begin());
-    for (int k = 0; k < points; ++k) {
-      tracks.positions.at(f, k) = clip.canonical_from_source * Vector3d(recorded.positions.at(sample, k));
-      tracks.confidence[static_cast<std::size_t>(f) * points + k] =
-          recorded.confidence[static_cast<std::size_t>(sample) * points + k];
-    }
-  }
-  return tracks;
-}
-
 std::vector<ViewedFinding> FindingsOf(const Clip& clip, const std::map<std::string, std::vector<Finding>>& by_id) {
   std::vector<ViewedFinding> viewed;
   const auto add = [&](const std::string& id, double hz, double from_s) {
@@ -193,32 +201,6 @@ std::vector<ViewedFinding> FindingsOf(const Clip& clip, const std::map<std::stri
   add(clip.id(), clip.motion->rate.hz(), 0.0);
   if (RecordingOf(clip.id()) != clip.id()) add(RecordingOf(clip.id()), RecordedRate(clip).hz(), BeginInRecording(clip));
   return viewed;
-}
-
-void Append16(double value, std::string& bytes) {
-  const std::uint16_t bits = Bits16(value);
-  bytes += static_cast<char>(bits & 0xFFU);
-  bytes += static_cast<char>(bits >> 8U);
-}
-
-nlohmann::json SkinJson(const Skin& skin, const Skeleton& skeleton) {
-  nlohmann::json json = {{"parents", nlohmann::json::array()}, {"joints", nlohmann::json::array()}};
-  for (std::size_t j = 0; j < skin.joints.size(); ++j) {
-    json["parents"].push_back(skeleton.joints[j].parent);
-    for (int i = 0; i < 3; ++i) json["joints"].push_back(std::lround(kTenths * skin.joints[j][i]));
-  }
-  std::string vertices, faces, weights;
-  for (std::size_t v = 0; v < skin.vertices.size(); ++v) {
-    for (int i = 0; i < 3; ++i) Append16(kTenths * skin.vertices[v][i], vertices);
-    AppendWeights(&skin.weights[v * skin.joints.size()], skin.joints.size(), weights);
-  }
-  for (const std::array<int, 3>& face : skin.faces) {
-    for (const int corner : face) Append16(corner, faces);
-  }
-  json["vertices"] = Base64(vertices);
-  json["faces"] = Base64(faces);
-  json["weights"] = Base64(weights);
-  return json;
 }
 
 int ViewerData::AddSource(const std::string& name) {
@@ -243,7 +225,14 @@ int ViewerData::SkeletonOf(const Skeleton& skeleton) {
   return known->second;
 }
 
-int ViewerData::AddSkin(const Skin& skin, const Skeleton& skeleton) {
+Expected<int> ViewerData::AddSkin(const Skin& skin, const Skeleton& skeleton) {
+  constexpr std::size_t kMostJoints = 256, kMostVertices = 65536;
+  if (skin.joints.size() > kMostJoints || skin.vertices.size() > kMostVertices) {
+    return Fail(ErrorCode::kUnsupported,
+                "a body of " + std::to_string(skin.joints.size()) + " joints and " +
+                    std::to_string(skin.vertices.size()) + " vertices; a page has at most 256 and 65536",
+                skeleton.name, "use SMPL or body_cc0");
+  }
   nlohmann::json json = SkinJson(skin, skeleton);
   const auto [known, is_new] = known_skins_.emplace(json.dump(), static_cast<int>(skins_.size()));
   if (!is_new) return known->second;
@@ -308,6 +297,8 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
                          {"has", nlohmann::json::array()},
                          {"segments", nlohmann::json::array()},
                          {"findings", nlohmann::json::array()}};
+  if (viewed.place.is_array()) json["map"] = viewed.place;
+  if (viewed.nearest.is_array()) json["nearest"] = viewed.nearest;
   if (clip.Noted(kHeightOrigin) == kOriginFloor) json["floor"] = 0.0;
   if (json["skin"] >= 0) {
     const double length = std::accumulate(motion.bone_length.begin(), motion.bone_length.end(), 0.0);
@@ -320,6 +311,7 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
   has("state", !motion.state.empty());
   has("sigma", !motion.position_cov.empty());
   has("contact", !motion.contact.empty());
+  has("clouds", !viewed.clouds.empty());
   if (viewed.tracks != nullptr) {
     const TrackDrawing drawing = MatchTracks(viewed.tracks->names, *motion.skeleton);
     std::vector<int> joint_of_point(viewed.tracks->names.size(), -1);
@@ -327,12 +319,12 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
       if (drawing.point_of_joint[j] >= 0)
         joint_of_point[static_cast<std::size_t>(drawing.point_of_joint[j])] = static_cast<int>(j);
     }
-    json["points"] = {{"names", viewed.tracks->names}, {"joints", joint_of_point}, {"lines", drawing.lines}};
+    json["points"] = {{"names", viewed.tracks->names}, {"joints", joint_of_point}};
   }
   json["cameras"] = nlohmann::json::array();
   for (const Camera& camera : viewed.cameras) json["cameras"].push_back(FrustumOf(camera));
   for (const Segment& segment : clip.segments) {
-    json["segments"].push_back({segment.begin_s, segment.end_s, segment.label, segment.origin});
+    json["segments"].push_back({segment.begin_s, segment.end_s, segment.label});
   }
   for (const auto& [begin_s, end_s, finding] : viewed.findings) {
     json["findings"].push_back({{"code", finding.code},
@@ -360,24 +352,32 @@ nlohmann::json ViewerData::Index() const {
           {"skins", skins_},         {"bodies", bodies_},   {"clips", clips_}};
 }
 
-std::string ViewerPage(const std::string& title, const nlohmann::json& index, const std::vector<std::string>& parts) {
-  std::string html = PageHead(title, std::string(kPageStyle) + std::string(PageFile("viewer.css"))) +
-                     "<body>\n<main id=\"viewer\" style=\"max-width: none\"></main>\n<noscript>" +
-                     Paragraph("This page draws motions with JavaScript, which is switched off.") + "</noscript>\n";
-  html += "<script type=\"application/json\" id=\"viewer-index\">" + JsonForScript(index) + "</script>\n";
+std::string MotionsHtml(const nlohmann::json& index, const std::vector<std::string>& parts,
+                        const std::vector<std::string_view>& scripts) {
+  std::string html = "<script type=\"application/json\" id=\"viewer-index\">" + JsonForScript(index) + "</script>\n";
   const auto add_part = [&](std::size_t part) {
     html +=
         "<script type=\"text/plain\" id=\"mocurate-part-" + std::to_string(part) + "\">" + parts[part] + "</script>\n";
   };
   if (!parts.empty()) add_part(0);  // the first clip is drawn while the browser reads the others
-  for (const char* script :
-       {"three.min.js", "data.js", "figures.js", "stages.js", "timeline.js", "viewer.js", "open.js"}) {
-    html += "<script>";
-    html += PageFile(script);
-    html += "</script>\n";
-  }
+  html += PageScripts(scripts);
   for (std::size_t part = 1; part < parts.size(); ++part) add_part(part);
-  return html + "</body>\n</html>\n";
+  return html;
+}
+
+std::string ViewerHtml(const nlohmann::json& index, const std::vector<std::string>& parts,
+                       const std::vector<std::string_view>& last) {
+  std::vector<std::string_view> scripts = {"three.min.js", "data.js",     "figures.js", "stages.js",
+                                           "timeline.js",  "clip_map.js", "viewer.js"};
+  scripts.insert(scripts.end(), last.begin(), last.end());
+  return MotionsHtml(index, parts, scripts);
+}
+
+std::string ViewerPage(const std::string& title, const nlohmann::json& index, const std::vector<std::string>& parts) {
+  return PageHead(title, PageStyles({"viewer.css"})) +
+         "<body>\n<main id=\"viewer\" style=\"max-width: none\"></main>\n<noscript>" +
+         Paragraph("This page draws motions with JavaScript, which is switched off.") + "</noscript>\n" +
+         ViewerHtml(index, parts, {"open.js"}) + "</body>\n</html>\n";
 }
 
 }  // namespace mocurate

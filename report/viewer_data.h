@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/finding.h"
@@ -14,7 +15,7 @@
 namespace mocurate {
 
 /// Number of the layout of a viewer's index and parts; report/viewer/data.js has the same.
-inline constexpr int kViewerSchema = 1;
+inline constexpr int kViewerSchema = 2;
 
 /// A finding, seconds from the clip's first frame; both 0: about the whole clip.
 struct ViewedFinding {
@@ -35,19 +36,19 @@ struct ViewedClip {
   std::string group{};                  ///< with which clips of other sources it stands; empty: those of its recording
   const JointTracks* tracks = nullptr;  ///< observed points in the motion's world, one sample a frame
   std::vector<Camera> cameras{};        ///< in the motion's world
-  int skin = -1;                        ///< number that AddSkin gave; -1: none
+  std::vector<std::vector<Vector3d>> clouds{};  ///< (F) measured points, in the motion's world; or none
+  int skin = -1;                                ///< number that AddSkin gave; -1: none
+  nlohmann::json place{};                       ///< of the clip in the audit's map, [x, y]; or null
+  nlohmann::json nearest{};                     ///< ids of the clips nearest to it; or null
 };
-
-/// The tracks of a recording as they were observed at the frames of a clip of it, in the clip's world: of each frame
-/// the sample nearest in time, none where it is more than half a frame away.
-JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded);
 
 /// Packs motions for the viewer: an index (JSON) and parts of some megabytes, each of whole clips, which the page
 /// decodes when they are shown. Of a clip of F frames, J joints and K tracked points, little-endian, each array padded
 /// to four bytes: the root (F,3) float32, metres; joints less the root (F,J,3) int16 in `unit` tenths of a millimetre,
 /// -32768 a missing one; rotation vectors (F,J,3) int16, pi / 32767; tracked points less the root (F,K,3) int16; states
 /// (F,J) uint8; standard deviation of a position (F,J) uint8, 16 log2(1 + sigma / 0.1 mm), 255: none; contacts (F)
-/// uint8, bit 0 left. Absent fields have no array (`has`).
+/// uint8, bit 0 left; numbers of cloud points (F) uint16, then these less the root (,3) int16. Absent fields have no
+/// array (`has`).
 class ViewerData {
  public:
   /// Takes the bytes of a part that is full.
@@ -58,8 +59,8 @@ class ViewerData {
 
   /// Returns the number of the source, which the page names.
   int AddSource(const std::string& name);
-  /// Returns the number of a skin over the skeleton's joints.
-  int AddSkin(const Skin& skin, const Skeleton& skeleton);
+  /// Returns the number of a skin over the skeleton's joints. Error kUnsupported for one that is too large for a page.
+  Expected<int> AddSkin(const Skin& skin, const Skeleton& skeleton);
   /// Errors of the sink.
   Status Add(int source, const ViewedClip& viewed);
   /// The last part.
@@ -87,12 +88,12 @@ class ViewerData {
   std::vector<double> skin_lengths_;  ///< metres, all bones of each skin
 };
 
-/// A skin for scripts: {"parents", "joints" (3J), "vertices" int16 (V,3), both tenths of a millimetre, "faces" uint16
-/// (F,3), "weights" uint8 (V,8): four weights of sum 255 and their joints}; arrays in base64.
-nlohmann::json SkinJson(const Skin& skin, const Skeleton& skeleton);
-
-/// Appends a rounded number, little-endian.
-void Append16(double value, std::string& bytes);
+/// Elements of a page with motions: the index, the parts that are inline (base64 texts), and the scripts.
+std::string MotionsHtml(const nlohmann::json& index, const std::vector<std::string>& parts,
+                        const std::vector<std::string_view>& scripts);
+/// The same with the scripts of the viewer, then `last`.
+std::string ViewerHtml(const nlohmann::json& index, const std::vector<std::string>& parts,
+                       const std::vector<std::string_view>& last);
 
 /// The page of an index whose parts are inline (base64 texts) or, where there are none, in the folder that the index
 /// names ("beside").

@@ -42,6 +42,5 @@ int main(int argc, char** argv) {
                     {ReviewDeclaration().name, ReviewStage},
                     {AnnotateDeclaration().name, AnnotateStage},
                     {SurveyDeclaration().name, SurveyStage},
-                    {ViewDeclaration().name, ViewStage},
-                    {PictureDeclaration().name, PictureStage}});
+                    {ViewDeclaration().name, ViewStage}});
 }

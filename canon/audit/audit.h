@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,20 @@ struct NearestNeighbourResult {
 };
 
 NearestNeighbourResult NearestNeighbour(const Dataset& dataset, const Split& split);
+
+/// Descriptor (D) of a motion for the judgement of labels and the map: joints relative to the root of each frame and
+/// the root's path, without the heading of the first frame, divided by the skeleton's size, resampled to 32 frames; and
+/// their weighted time differences. The heading is that of the hips where the skeleton names them.
+Eigen::VectorXf LabelDescriptor(const Motion& motion);
+
+/// A picture of a set: clips (N) that have a motion, their places in the two first principal components of
+/// LabelDescriptor, and for each the rows of the nearest others by its 24 first components. Empty below three clips.
+struct ClipMap {
+  std::vector<int> rows;
+  std::vector<Eigen::Vector2f> places;
+  std::vector<std::vector<int>> nearest;
+};
+ClipMap MapClips(const Dataset& dataset, std::size_t neighbours);
 
 /// Folds of clips, no person in two: persons are distributed over at most ten. With fewer than three persons,
 /// clips are drawn into five. (N)

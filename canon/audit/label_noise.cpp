@@ -64,39 +64,6 @@ double MedianDistance(const Eigen::MatrixXf& descriptors) {
   return values.empty() ? 1.0 : std::max(1e-12, Median(std::move(values)));
 }
 
-/// Descriptor (D) of a clip for the kernel classifier: joints relative to the root of each frame and the root's path,
-/// without the heading of the first frame, divided by the skeleton's size, resampled; and their weighted time
-/// differences. The heading is that of the hips where the skeleton names them.
-Eigen::VectorXf LabelDescriptor(const Motion& motion) {
-  Motion positions;
-  positions.skeleton = motion.skeleton;
-  positions.rate = motion.rate;
-  positions.joints = motion.joints;
-  const int T = kFrames, J = motion.joint_count();
-  const Motion sampled = ResampleToCount(positions, T);
-  const double size = std::max(1e-6, SizeOf(motion));
-  const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions());
-  const Matrix3d turn = (heading ? Eigen::AngleAxisd(-heading->yaw, Vector3d::UnitY()) : Eigen::AngleAxisd::Identity())
-                            .toRotationMatrix();
-  const Eigen::Index width = Eigen::Index{3} * J;
-  Eigen::MatrixXf frames(width, T);
-  for (int t = 0; t < T; ++t) {
-    const Vector3d root = sampled.joints.at(t, 0);
-    for (int j = 0; j < J; ++j) {
-      const Vector3d from = j == 0 ? Vector3d(sampled.joints.at(0, 0)) : root;
-      frames.block<3, 1>(Eigen::Index{3} * j, t) = (turn * (sampled.joints.at(t, j) - from) / size).cast<float>();
-    }
-  }
-  const Eigen::Index places = frames.size(), steps = width * (T - 1);
-  Eigen::VectorXf descriptor(places + steps);
-  descriptor.head(places) =
-      Eigen::Map<const Eigen::VectorXf>(frames.data(), places) / std::sqrt(static_cast<float>(places));
-  const Eigen::MatrixXf differences = frames.rightCols(T - 1) - frames.leftCols(T - 1);
-  descriptor.tail(steps) = static_cast<float>(kVelocityWeight / std::sqrt(static_cast<double>(steps))) *
-                           Eigen::Map<const Eigen::VectorXf>(differences.data(), steps);
-  return descriptor;
-}
-
 /// Scores (N,C) of each clip by a classifier trained without its fold: kernel ridge regression on one-hot classes. The
 /// kernel is Gaussian in the descriptors (D,N), its width the median of their distance. At most `most_clips`
 /// training clips are used, drawn at random. `labels` (N) are classes 0 to C-1.
@@ -173,6 +140,36 @@ std::vector<JudgedLabel> JudgeLabels(const Eigen::MatrixXd& scores, const std::v
 }
 
 }  // namespace
+
+Eigen::VectorXf LabelDescriptor(const Motion& motion) {
+  Motion positions;
+  positions.skeleton = motion.skeleton;
+  positions.rate = motion.rate;
+  positions.joints = motion.joints;
+  const int T = kFrames, J = motion.joint_count();
+  const Motion sampled = ResampleToCount(positions, T);
+  const double size = std::max(1e-6, SizeOf(motion));
+  const Expected<Heading> heading = HeadingOfFrame(positions, 0, FacingOptions());
+  const Matrix3d turn = (heading ? Eigen::AngleAxisd(-heading->yaw, Vector3d::UnitY()) : Eigen::AngleAxisd::Identity())
+                            .toRotationMatrix();
+  const Eigen::Index width = Eigen::Index{3} * J;
+  Eigen::MatrixXf frames(width, T);
+  for (int t = 0; t < T; ++t) {
+    const Vector3d root = sampled.joints.at(t, 0);
+    for (int j = 0; j < J; ++j) {
+      const Vector3d from = j == 0 ? Vector3d(sampled.joints.at(0, 0)) : root;
+      frames.block<3, 1>(Eigen::Index{3} * j, t) = (turn * (sampled.joints.at(t, j) - from) / size).cast<float>();
+    }
+  }
+  const Eigen::Index places = frames.size(), steps = width * (T - 1);
+  Eigen::VectorXf descriptor(places + steps);
+  descriptor.head(places) =
+      Eigen::Map<const Eigen::VectorXf>(frames.data(), places) / std::sqrt(static_cast<float>(places));
+  const Eigen::MatrixXf differences = frames.rightCols(T - 1) - frames.leftCols(T - 1);
+  descriptor.tail(steps) = static_cast<float>(kVelocityWeight / std::sqrt(static_cast<double>(steps))) *
+                           Eigen::Map<const Eigen::VectorXf>(differences.data(), steps);
+  return descriptor;
+}
 
 std::vector<int> FoldsByPerson(const Dataset& dataset, const std::vector<int>& rows) {
   std::map<std::string, int> persons;

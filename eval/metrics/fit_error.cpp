@@ -158,7 +158,11 @@ Expected<FitError> CompareWithTruth(const Clip& fitted, const Evidence& evidence
   error.frames = truth.frame_count();
   double sum = 0.0;
   for (int f = 0; f < truth.frame_count(); ++f) {
-    for (const auto& [a, b] : shared) sum += 1000.0 * (motion.joints.at(f, a) - truth.joints.at(f, b)).norm();
+    for (const auto& [a, b] : shared) {
+      const double mm = 1000.0 * (motion.joints.at(f, a) - truth.joints.at(f, b)).norm();
+      error.joints_mm[motion.skeleton->joints[static_cast<std::size_t>(a)].name] += mm / truth.frame_count();
+      sum += mm;
+    }
   }
   error.joint_mm = sum / (static_cast<double>(shared.size()) * truth.frame_count());
   if (!motion.joints_only() && !truth.joints_only()) AddRotationErrors(motion, truth, shared, error);

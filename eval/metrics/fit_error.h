@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "core/motion/clip.h"
 #include "eval/metrics/sigma_quality.h"
@@ -17,6 +19,7 @@ struct FitError {
   double rotation_deg = 0.0;        ///< mean over joints with two or more non-collinear children, global rotations
   double bone_direction_deg = 0.0;  ///< mean angle between bones of at least 6 cm
   int frames = 0;
+  std::map<std::string, double> joints_mm;  ///< mean error of each shared joint, by the fit's name
   SigmaByPart sigma;  ///< positions of shared joints; rotations about the axes that the fit marks as observed
   std::optional<NotMeasured> no_positions, no_rotations;  ///< why `sigma` has none
 };

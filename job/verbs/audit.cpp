@@ -149,6 +149,11 @@ Status WriteClipMeasures(const nlohmann::json& audit, const fs::path& path) {
     line([&](const std::string& key) -> std::string {
       const nlohmann::json& value = clip.at(key);
       if (value.is_null()) return "";
+      if (value.is_array()) {
+        std::string names;
+        for (const nlohmann::json& name : value) names += (names.empty() ? "" : "; ") + name.get<std::string>();
+        return QuotedCsvCell(names);
+      }
       if (!value.is_string()) return FormatDouble(value.get<double>());
       return QuotedCsvCell(value.get_ref<const std::string&>());
     });

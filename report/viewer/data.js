@@ -3,7 +3,7 @@
 // <script type="text/plain" id="mocurate-part-N">; others are scripts beside the page that call mocurateParts.take,
 // because pages of file:// cannot fetch. `schema` is that of the page and of its data.
 const mocurateParts = (() => {
-  const SCHEMA = 1;
+  const SCHEMA = 2;
   const MOST = 8;  // parts kept decoded
   const decoded = new Map(), waiting = new Map();
   const sentence = {
@@ -27,7 +27,7 @@ const mocurateParts = (() => {
   /// Called by a part beside the page.
   const take = (schema, set, part, text) => {
     const asked = waiting.get(set + '/' + part);
-    if (!asked) return;  // nobody waits for a part of another page: its loading ends with a sentence
+    if (!asked) return;  // a part of another page was not asked for: its loading ends with a sentence
     waiting.delete(set + '/' + part);
     if (schema !== SCHEMA) { asked.reject(new Error(sentence.schema(schema))); return; }
     try { asked.resolve(bytesOf(text)); } catch (e) { asked.reject(new Error(sentence.missing('part ' + part))); }
@@ -106,15 +106,19 @@ const mocurateClip = (() => {
     const state = has('state') ? next(Uint8Array, F * J) : null;
     const sigma = has('sigma') ? next(Uint8Array, F * J) : null;
     const contact = has('contact') ? next(Uint8Array, F) : null;
-    const placed = (values, count, frame, out) => {
+    const sizes = has('clouds') ? next(Uint16Array, F) : null, starts = [0];
+    if (sizes) sizes.forEach(size => starts.push(starts[starts.length - 1] + size));
+    const clouds = sizes ? next(Int16Array, 3 * starts[F]) : null;
+    const placed = (values, count, row, out, frame = row) => {
       for (let i = 0; i < count; ++i) {
-        const v = 3 * (frame * count + i), gap = values[v] === MISSING;
+        const v = 3 * (row * count + i), gap = values[v] === MISSING;
         for (let k = 0; k < 3; ++k) out[3 * i + k] = gap ? NaN : root[3 * frame + k] + unit * values[v + k];
       }
       return out;
     };
     const sigmaOf = code => code === 255 ? NaN : 1e-4 * (Math.pow(2, code / 16) - 1);  // metres
-    return {clip, skeleton, root, state, contact, hasRotations: rotations !== null, hasPoints: points !== null,
+    const cloud = frame => placed(clouds.subarray(3 * starts[frame]), sizes[frame], 0, new Float32Array(3 * sizes[frame]), frame);
+    return {clip, skeleton, root, cloud, hasClouds: clouds !== null, state, contact, hasRotations: rotations !== null, hasPoints: points !== null,
       hasSigma: sigma !== null,
       joints: (frame, out) => placed(joints, J, frame, out || new Float32Array(3 * J)),
       points: (frame, out) => placed(points, K, frame, out || new Float32Array(3 * K)),

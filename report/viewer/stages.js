@@ -1,6 +1,6 @@
 'use strict';
 // Two stages draw the same scene: with WebGL (three.js) or on a canvas. draw(scene, camera) takes
-//   scene:  {bodies: [{key, figure, colours, shift, joints, parents, opacity}], lines: [{key, places, colour, strip, dots}],
+//   scene:  {bodies: [{key, figure, colours, shift, joints, parents, opacity}], lines: [{key, places, shift, colour, strip, dots}],
 //           floor, centre, radius, grid, background}
 //   camera: {yaw, pitch, distance, target, width, height, ratio}
 // Metres, y up. The eye is at target + distance * direction(yaw, pitch).
@@ -43,7 +43,7 @@ const mocurateStages = (() => {
     ground.rotation.x = -Math.PI / 2;
     ground.receiveShadow = true;
     world.add(ground);
-    let grid = null;
+    let grid = null, sized = [0, 0, 0];
     const meshes = new Map(), lines = new Map();
 
     const meshOf = body => {
@@ -85,15 +85,22 @@ const mocurateStages = (() => {
         world.add(object);
         lines.set(key, object);
       }
-      const attribute = object.geometry.getAttribute('position');
-      attribute.array.set(line.places);
-      attribute.needsUpdate = true;
+      if (object.places !== line.places) {
+        const attribute = object.geometry.getAttribute('position');
+        attribute.array.set(line.places);
+        attribute.needsUpdate = true;
+        object.places = line.places;
+      }
+      object.position.set(...line.shift);
       object.material.color.set(line.colour);
     };
 
     const draw = (scene, camera) => {
-      renderer.setPixelRatio(camera.ratio);
-      renderer.setSize(camera.width, camera.height, false);
+      if (sized.some((v, i) => v !== [camera.width, camera.height, camera.ratio][i])) {
+        sized = [camera.width, camera.height, camera.ratio];
+        renderer.setPixelRatio(camera.ratio);
+        renderer.setSize(camera.width, camera.height, false);
+      }
       renderer.setClearColor(scene.background, 1);
       view.aspect = camera.width / camera.height;
       view.position.set(...eye(camera));
@@ -164,7 +171,7 @@ const mocurateStages = (() => {
         stroke([x - reach, scene.floor, z + g], [x + reach, scene.floor, z + g]);
       }
       for (const line of scene.lines) {
-        const at = i => [0, 1, 2].map(k => line.places[3 * i + k]), count = line.places.length / 3;
+        const at = i => [0, 1, 2].map(k => line.places[3 * i + k] + line.shift[k]), count = line.places.length / 3;
         pen.strokeStyle = pen.fillStyle = line.colour;
         pen.lineWidth = 1.5;
         if (line.dots) {

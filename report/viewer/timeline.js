@@ -22,6 +22,16 @@ const mocurateTimeline = (() => {
     return out;
   };
 
+  /// The places of the tracked points at their joints, as a motion.
+  const tracked = motion => {
+    const {points} = motion.clip, seen = new Float32Array(3 * points.names.length);
+    return {...motion, joints: (frame, out) => {
+      motion.points(frame, seen);
+      out.fill(NaN);
+      points.joints.forEach((j, k) => { if (j >= 0) for (let i = 0; i < 3; ++i) out[3 * j + i] = seen[3 * k + i]; });
+    }};
+  };
+
   /// Largest difference of a bone's length from its median over the clip, mm.
   const stretch = motion => {
     const F = motion.clip.frames, parents = motion.skeleton.parents, J = parents.length;
@@ -155,8 +165,10 @@ const mocurateTimeline = (() => {
     /// `motions`: [{motion, name, colour}], the shown ones.
     const show = motions => {
       rows = [];
-      const curve = (name, unit, of) => {
-        const lines = motions.map(m => ({colour: m.colour, hz: m.motion.clip.hz, values: of(m.motion)})).filter(line => line.values);
+      const curve = (name, unit, of, before) => {
+        const line = (m, motion, colour) => ({colour, hz: m.motion.clip.hz, values: of(motion)});
+        const lines = motions.flatMap(m => [...(before && m.motion.hasPoints ? [line(m, tracked(m.motion), style('--before'))] : []),
+          line(m, m.motion, m.colour)]).filter(one => one.values);
         let most = 0;
         lines.forEach(line => line.values.forEach(v => { if (v > most) most = v; }));
         return lines.length > 0 ? [{name, unit, lines, most}] : [];
@@ -198,7 +210,7 @@ const mocurateTimeline = (() => {
           });
         }
       }
-      curves = [...curve('speed', 'm/s', speeds), ...curve('bone length', 'mm', stretch),
+      curves = [...curve('speed', 'm/s', speeds), ...curve('bone length', 'mm', stretch, true),
         ...curve('residual', 'mm', motion => motion.hasPoints ? residuals(motion) : null)];
       height = TOP + ROW * rows.length + CURVE * curves.length + 4;
       draw();

@@ -1,6 +1,8 @@
 'use strict';
 // The viewer: a list of clips, their bodies, one timeline. mocurateViewer(root, index) builds it inside `root` and returns
-// {select, seek, state, camera}. `index` is written by report/viewer_data.cpp.
+// {select, open, seek, state, camera}. `index` is written by report/viewer_data.cpp; with `page` the viewer has the window's
+// address and keys; `embedded` it has no list, and keys where it has the focus ("inside") or those of the window but letters
+// ("beside").
 const mocurateViewer = (() => {
   const MOST_LISTED = 500;  // buttons of the list
   const VIEWS = [['Front', 0, 0.12], ['Side', Math.PI / 2, 0.12], ['Three-quarter', 0.6, 0.25], ['Back', Math.PI, 0.12],
@@ -52,8 +54,9 @@ const mocurateViewer = (() => {
       return null;
     }
     const groups = groupsOf(index), several = index.sources.length > 1;
+    const many = () => several && !(index.embedded && state.shown.length < 2);
     const state = {group: null, sample: 0, shown: [], time: 0, playing: false, speed: 1, loop: true, figure: 'body', colour: 'sides',
-      layout: 'beside', align: 'world', path: true, points: true, cameras: true, follow: false, hidden: new Set(), stage: ''};
+      layout: 'beside', align: 'world', path: true, points: true, cameras: true, clouds: true, follow: false, hidden: new Set()};
     const camera = {yaw: 0.6, pitch: 0.2, distance: 4, target: [0, 1, 0]};
     let scene = null, length = 0, last = 0, turned = 0;
 
@@ -78,6 +81,7 @@ const mocurateViewer = (() => {
     const samples = make('select', {'aria-label': 'Sample', 'data-option': 'sample', onchange: e =>
       select(state.group, state.time, '', Number(e.target.value))});
     const heading = make('h2', {}), facts = make('p', {class: 'facts'}), found = make('ul', {class: 'found'});
+    const near = make('p', {class: 'near'});
 
     const refigure = () => { state.shown.forEach(entry => { entry.figure = figureOf(entry); }); show(state.time); };
     const relay = () => { place(); show(state.time); };
@@ -93,6 +97,7 @@ const mocurateViewer = (() => {
       tick('Path', 'path', 'p', () => show(state.time)),
       ...(index.clips.some(clip => clip.points) ? [tick('Tracked points', 'points', 't', () => show(state.time))] : []),
       ...(index.clips.some(clip => clip.cameras.length > 0) ? [tick('Cameras', 'cameras', 'v', () => show(state.time))] : []),
+      ...(has('clouds') ? [tick('Clouds', 'clouds', 'd', () => show(state.time))] : []),
       tick('Follow', 'follow', 'f', () => show(state.time)));
     const views = make('div', {class: 'views', role: 'group', 'aria-label': 'Views'}, ...VIEWS.map(([name, yaw, pitch], i) =>
       button(name, () => lookFrom(yaw, pitch), {'data-view': name, title: 'key ' + (i + 1)})), button('Fit', () => { fit(); show(state.time); }, {title: 'key 0'}));
@@ -103,8 +108,9 @@ const mocurateViewer = (() => {
       button('Link', () => copyLink(), {'data-do': 'link', title: 'address of this clip and time'}),
       button('Keys', () => { keys.open = !keys.open; }, {'data-do': 'keys', title: 'key ?'}));
     const keys = make('details', {class: 'keys'}, make('summary', {}, 'Keys'), make('p', {}, 'space: play · ← →: a frame, with ' +
-      'shift: turn · Home, End: first and last frame · n, b: next and previous clip · 1 to 5: views, 0: whole motion · g: figure · c: ' +
-      'colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · v: cameras · f: follow · l: loop · + −: speed · i u: nearer, farther · /: search'));
+      'shift: turn · Home, End: first and last frame · 1 to 5: views, 0: whole motion · + −: speed' + (index.embedded === 'beside' ? '' :
+      ' · n, b: next and previous clip · g: figure · c: colours · o: side by side or overlaid · a: alignment · p: path · t: tracked ' +
+      'points · v: cameras · d: clouds · f: follow · l: loop · i u: nearer, farther · /: search')));
 
     // The list.
     const search = make('input', {type: 'search', placeholder: 'Search clips', 'aria-label': 'Search clips', oninput: () => list()});
@@ -125,6 +131,15 @@ const mocurateViewer = (() => {
       ...(index.clips.some(clip => clip.residual > 0) ? [['residual', 'largest residual first', group => -group.residual]] : []),
       ...(index.clips.some(clip => clip.findings.length > 0) ? [['findings', 'most findings first', group => -group.findings.length]] : [])];
     const order = make('select', {'aria-label': 'Sort by', onchange: () => list()}, ...orders.map(([value, text]) => make('option', {value}, text)));
+    const mapped = index.clips.filter(clip => clip.map);
+    const field = filters.filter(f => f.name !== 'Finding').map(f => [f.name, clip => clip[f.name.toLowerCase()]]);
+    field.push(['Finding', clip => clip.findings.length > 0 ? clip.findings[0].code : '']);
+    const mapCanvas = make('canvas', {tabindex: 0, role: 'img', 'aria-label': 'Map of the clips: alike ones are near each other; arrow keys go to a neighbour'});
+    const mapLegend = make('p', {class: 'legend'});
+    const map = mapped.length > 2 ? mocurateClipMap.build(mapCanvas, mapLegend, field, style, clip => choose(clip)) : null;
+    const mapColour = make('select', {'aria-label': 'Colours of the map', 'data-option': 'map', onchange: e => map.colour(e.target.value)},
+      ...field.map(([name]) => make('option', {value: name}, 'Map by ' + name.toLowerCase())));
+    const mapBox = map && make('details', {class: 'map', open: true, ontoggle: () => map.draw()}, make('summary', {}, 'Map of clips'), mapCanvas, mapLegend, mapColour);
     const count = make('p', {class: 'count'}), entries = make('ul', {class: 'clips'});
     let matching = groups;
     const list = () => {
@@ -144,6 +159,7 @@ const mocurateViewer = (() => {
             group.residual > 0 ? group.residual.toFixed(0) + ' mm' : ''].filter(t => t).join(' · ') + ' ',
           ...(worst ? [make('span', {class: 'flag ' + worst}, findings.length + (findings.length === 1 ? ' finding' : ' findings'))] : []))));
       }));
+      if (map) map.show(mapped, matching.flatMap(group => group.all));
       count.textContent = matching.length === groups.length ? groups.length + (groups.length === 1 ? ' clip' : ' clips') :
         matching.length + ' of ' + groups.length + ' clips';
       if (matching.length > MOST_LISTED) count.textContent += '; the first ' + MOST_LISTED + ' are listed: search for others';
@@ -162,7 +178,7 @@ const mocurateViewer = (() => {
       const {motion} = entry, J = motion.skeleton.parents.length, hue = HUES[entry.source % HUES.length];
       for (let j = 0; j < J; ++j) {
         const side = motion.skeleton.sides[j];
-        let colour = several ? hue.map(v => v + (1 - v) * (side < 0 ? 0.35 : side > 0 ? 0 : 0.15)) : side > 0 ? LEFT : side < 0 ? RIGHT : MIDDLE;
+        let colour = many() ? hue.map(v => v + (1 - v) * (side < 0 ? 0.35 : side > 0 ? 0 : 0.15)) : side > 0 ? LEFT : side < 0 ? RIGHT : MIDDLE;
         if (state.colour === 'state' && motion.state) colour = STATE[motion.state[frame * J + j]];
         if (state.colour === 'sigma' && motion.hasSigma) {
           const s = Math.min(1, motion.sigma(frame, j) / 0.05);  // 5 cm and more: all red
@@ -200,7 +216,6 @@ const mocurateViewer = (() => {
     const lookFrom = (yaw, pitch) => { camera.yaw = turned + yaw; camera.pitch = pitch; fit(); show(state.time); };
 
     const stage = mocurateStages.make(canvas);
-    state.stage = stage.kind;
     root.dataset.stage = stage.kind;
 
     const show = seconds => {
@@ -215,24 +230,27 @@ const mocurateViewer = (() => {
         entry.figure.pose(motion, frame, entry.joints);
         coloursOf(entry, frame);
         const shift = entry.base.slice();
-        if (several && state.align === 'root' && state.layout === 'over' && entry !== target) {
+        if (many() && state.align === 'root' && state.layout === 'over' && entry !== target) {
           const other = target.motion, f = other.frameAt(state.time);
           for (const i of [0, 2]) shift[i] = other.root[3 * f + i] - motion.root[3 * frame + i];
         }
         if (entry === target) followed = [0, 1, 2].map(i => motion.root[3 * frame + i] + shift[i]);
         bodiesShown.push({key: entry.source + '', figure: entry.figure, colours: entry.colours, shift, joints: entry.joints,
-          parents: motion.skeleton.parents, opacity: several && state.layout === 'over' && entry !== target ? 0.75 : 1});
-        if (state.path) lines.push({key: 'path' + entry.source, strip: true, places: moved(entry.path, shift), colour: hex(HUES[entry.source % HUES.length])});
+          parents: motion.skeleton.parents, opacity: many() && state.layout === 'over' && entry !== target ? 0.75 : 1});
+        if (state.path) lines.push({key: 'path' + entry.source, strip: true, places: entry.path, shift, colour: hex(HUES[entry.source % HUES.length])});
         if (state.cameras) entry.motion.clip.cameras.forEach((corners, i) => {
           const ends = [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [2, 3], [3, 4], [4, 1]].flat();
-          lines.push({key: 'camera' + entry.source + '/' + i, colour: style('--soft'),
-            places: moved(ends.flatMap(end => corners.slice(3 * end, 3 * end + 3)), shift)});
+          lines.push({key: 'camera' + entry.source + '/' + i, colour: style('--soft'), shift,
+            places: ends.flatMap(end => corners.slice(3 * end, 3 * end + 3))});
         });
+        if (state.clouds && motion.hasClouds) {
+          lines.push({key: 'cloud' + entry.source, dots: 0.015, places: motion.cloud(frame), shift, colour: style('--good')});
+        }
         if (state.points && motion.hasPoints) {
           motion.points(frame, entry.points);
           const seen = [];
           for (let k = 0; k < entry.points.length; k += 3) if (entry.points[k] === entry.points[k]) seen.push(...entry.points.slice(k, k + 3));
-          if (seen.length > 0) lines.push({key: 'points' + entry.source, dots: 0.05, places: moved(seen, shift), colour: style('--ink')});
+          if (seen.length > 0) lines.push({key: 'points' + entry.source, dots: 0.05, places: seen, shift, colour: style('--ink')});
         }
       }
       if (state.follow && followed) camera.target = [followed[0], camera.target[1], followed[2]];
@@ -242,10 +260,10 @@ const mocurateViewer = (() => {
       const frame = state.shown.length > 0 ? lead().motion.frameAt(state.time) : 0;
       slider.value = String(frame);
       clock.textContent = state.time.toFixed(2) + ' s, frame ' + frame;
+      slider.setAttribute('aria-valuetext', clock.textContent);
       timeline.move(state.time);
       root.dataset.time = state.time.toFixed(3);
     };
-    const moved = (places, shift) => Float32Array.from(places, (v, i) => v + shift[i % 3]);
 
     const step = now => {
       if (!state.playing) return;
@@ -295,6 +313,7 @@ const mocurateViewer = (() => {
       const now = ++asked;
       play(false);
       state.group = group;
+      state.time = seconds;
       say(said || '');
       for (const item of entries.querySelectorAll('[aria-current]')) item.removeAttribute('aria-current');
       const item = entries.querySelector('[data-clip="' + CSS.escape(group.first.id) + '"]');
@@ -309,7 +328,7 @@ const mocurateViewer = (() => {
         slider.max = String(lead().motion.clip.frames - 1);
         describe(group);
         const drawn = timeline.show(shown.map(entry => ({motion: entry.motion, name: index.sources[entry.source].name,
-          colour: several ? hex(HUES[entry.source % HUES.length]) : style('--after')})));
+          colour: many() ? hex(HUES[entry.source % HUES.length]) : style('--after')})));
         root.dataset.rows = drawn.rows.concat(drawn.curves).join('|');
         turned = shown[0].motion.clip.yaw;
         camera.yaw = turned + 0.6;
@@ -320,7 +339,14 @@ const mocurateViewer = (() => {
         remember();
         if (!root.dataset.clip) performance.mark('first picture');
         root.dataset.clip = group.first.id;
-      }).catch(problem => { if (now === asked) say(problem.message); });
+      }).catch(problem => {
+          if (now !== asked) return;
+          state.shown = [];
+          describe(group);
+          place();
+          show(0);
+          say(problem.message);
+        });
     };
     const describe = group => {
       const clip = group.clips(state.sample).find(other => other);
@@ -334,8 +360,13 @@ const mocurateViewer = (() => {
         .filter(text => text).join(' · ');
       const findings = group.clips(state.sample).flatMap(other => other ? other.findings.map(f => [f, index.sources[other.source].name]) : []);
       found.replaceChildren(...findings.map(([f, source]) => make('li', {class: f.severity}, button(f.code, () => { play(false); show(f.begin_s); },
-        {title: 'go to its first frame'}), ' ' + (several ? source + ': ' : '') + f.text)));
-      names.replaceChildren(...(several ? group.clips(state.sample).map((other, i) => other && make('label', {}, make('input', {type: 'checkbox',
+        {title: 'go to its first frame'}), ' ' + (many() ? source + ': ' : '') + f.text)));
+      const nearest = (clip.nearest || []).map(id => index.clips.find(other => other.id === id)).filter(other => other);
+      near.hidden = nearest.length === 0;
+      near.replaceChildren('Nearest: ', ...nearest.map(other => button(keyOf(other) + (other.label ? ' (' + other.label + ')' : ''),
+        () => choose(other), {class: other.label === clip.label ? 'like' : 'unlike'})));
+      if (map) map.mark(clip);
+      names.replaceChildren(...(many() ? group.clips(state.sample).map((other, i) => other && make('label', {}, make('input', {type: 'checkbox',
         checked: !state.hidden.has(i), 'data-source': index.sources[i].name, onchange: e => {
           if (e.target.checked) state.hidden.delete(i); else state.hidden.add(i);
           relay();
@@ -388,10 +419,10 @@ const mocurateViewer = (() => {
     for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, e => pointers.delete(e.pointerId));
     const pan = (dx, dy) => {
       const unit = 2 * camera.distance * Math.tan(mocurateStages.FIELD / 2) / Math.max(1, canvas.clientHeight);
-      const c = Math.cos(camera.yaw), s = Math.sin(camera.yaw), up = Math.cos(camera.pitch);
-      camera.target[0] -= unit * dx * c;
-      camera.target[2] += unit * dx * s;
-      camera.target[1] += unit * dy * up;
+      const c = Math.cos(camera.yaw), s = Math.sin(camera.yaw), tilt = Math.sin(camera.pitch);
+      camera.target[0] -= unit * (dx * c + dy * tilt * s);
+      camera.target[2] += unit * (dx * s - dy * tilt * c);
+      camera.target[1] += unit * dy * Math.cos(camera.pitch);
     };
     const zoom = by => { camera.distance = Math.min(5 * scene.radius + 100, Math.max(0.3, camera.distance * by)); };
     const turn = (dx, dy) => {
@@ -432,7 +463,7 @@ const mocurateViewer = (() => {
     const frames = by => { play(false); show((Math.round(state.time * rate()) + by) / rate()); remember(); };
     const actions = {' ': () => play(!state.playing), ArrowLeft: () => frames(-1), ArrowRight: () => frames(1), Home: () => frames(-1e9),
       End: () => frames(1e9), n: () => neighbour(1), b: () => neighbour(-1), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
-      o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'),
+      o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'), d: () => flip('clouds'),
       l: () => { state.loop = !state.loop; say(state.loop ? 'The motion repeats.' : 'The motion ends.'); },
       '+': () => faster(1), '-': () => faster(-1), i: () => { zoom(0.9); show(state.time); }, u: () => { zoom(1.1); show(state.time); }, '/': () => search.focus(), '?': () => { keys.open = !keys.open; }};
     VIEWS.forEach(([, yaw, pitch], i) => { actions[i + 1] = () => lookFrom(yaw, pitch); });
@@ -440,7 +471,8 @@ const mocurateViewer = (() => {
       speed.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, speed.selectedIndex + by));
       state.speed = SPEEDS[speed.selectedIndex];
     };
-    (index.page ? document : root).addEventListener('keydown', e => {
+    (index.page || index.embedded === 'beside' ? document : root).addEventListener('keydown', e => {
+      if (index.embedded === 'beside' && /^[a-z/?]$/i.test(e.key)) return;
       const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && !/^(checkbox)$/.test(e.target.type);
       const pressed = e.key === ' ' && (e.target.tagName === 'BUTTON' || e.target.type === 'checkbox');
       if (e.ctrlKey || e.metaKey || e.altKey || typing || pressed || e.repeat && e.key === ' ' || e.target.tagName === 'SUMMARY') return;
@@ -451,15 +483,22 @@ const mocurateViewer = (() => {
       action();
     });
 
+    root.classList.toggle('embedded', Boolean(index.embedded));
     root.append(
-      make('aside', {'aria-label': 'Clips'}, search, make('div', {class: 'filters'}, ...filters.map(f => f.select), order), count, entries),
-      make('div', {class: 'stage'}, make('div', {class: 'head'}, heading, facts, make('div', {}, samples, names), found), canvas, status,
+      ...(index.embedded ? [] : [make('aside', {'aria-label': 'Clips'}, search, make('div', {class: 'filters'}, ...filters.map(f => f.select), order),
+        count, entries, ...(map ? [mapBox] : []))]),
+      make('div', {class: 'stage'}, make('div', {class: 'head'}, heading, facts, make('div', {}, samples, names), near, found), canvas, status,
         make('div', {class: 'controls'}, playButton, slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
     list();
     lasting = stage.kind === 'canvas' ? 'This browser has no WebGL: motions are drawn as bones.' : '';
+    if (map) new ResizeObserver(() => requestAnimationFrame(map.draw)).observe(mapCanvas);
     new ResizeObserver(() => requestAnimationFrame(() => { timeline.draw(); show(state.time); })).observe(canvas);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { timeline.draw(); show(state.time); });
 
+    const choose = clip => {
+      const [group, sample] = holding(clip.id);
+      select(group, 0, '', sample);
+    };
     /// The group and sample of a clip.
     const holding = id => {
       const group = id && groups.find(g => g.all.some(clip => clip.id === id));
@@ -476,7 +515,7 @@ const mocurateViewer = (() => {
     if (index.page) window.addEventListener('hashchange', wanted);
     if (groups.length === 0) say('There is no motion to show: the files hold no clip with a motion.');
     else if (!(index.page && wanted())) select(matching[0], 0);
-    return {select: (id, t) => { const [group, sample] = holding(id); return group ? select(group, t || 0, '', sample) : null; },
+    return {open: (key, t) => select(groups.find(group => group.key === key), t || 0), select: (id, t) => { const [group, sample] = holding(id); return group ? select(group, t || 0, '', sample) : null; },
       seek: show, state, camera};
   };
 })();

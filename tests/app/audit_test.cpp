@@ -70,9 +70,9 @@ TEST_F(Audit, EveryLeakIsAFindingWithBothClipsAndTheirParts) {
   EXPECT_EQ(audit["findings"][0]["severity"], "error");
   const std::string page = ReadText(folder_ / "out/audit.html");
   for (const char* code : {"leak", "split_leak"}) {
-    EXPECT_THAT(page, HasSubstr("data-finding=\"" + std::string(code) + "\""));
+    EXPECT_THAT(page, HasSubstr("\"code\":\"" + std::string(code) + "\""));
   }
-  EXPECT_THAT(page, HasSubstr("data-clip=\"" + dataset.clips[2].id() + "\""));
+  EXPECT_THAT(page, HasSubstr("\"id\":\"" + dataset.clips[2].id() + "\""));
   const Result text = Run(dataset, {});
   EXPECT_EQ(text.exit_code, 0) << text.err;
   for (const Clip& clip : dataset.clips) EXPECT_THAT(text.out, HasSubstr(clip.id()));

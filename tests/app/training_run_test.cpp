@@ -107,8 +107,12 @@ TEST(TrainingRun, AllNetworksAreItemsOfOneStageAndPagesHaveVideos) {
     return nlohmann::json::parse(text.substr(at, text.find("</script>", at) - at));
   };
   const nlohmann::json clips = index("viewer.html"), generated = index("generated.html");
-  EXPECT_EQ(clips["clips"].size(), 6u);
-  for (const nlohmann::json& clip : clips["clips"]) EXPECT_TRUE(clip.contains("points")) << "as tracked";
+  ASSERT_EQ(clips["clips"].size(), 12u) << "six and their truth";
+  for (const nlohmann::json& clip : clips["clips"]) {
+    EXPECT_EQ(clip.contains("points"), clip["source"] == 0) << "as tracked";
+    EXPECT_EQ(clip.contains("map"), clip["source"] == 0);
+    EXPECT_EQ(clip.value("nearest", nlohmann::json::array()).size(), clip["source"] == 0 ? 4u : 0u);
+  }
   ASSERT_EQ(generated["sources"].size(), 2u);
   EXPECT_EQ(generated["sources"][1]["name"], "Action2Motion");
   EXPECT_EQ(std::count_if(generated["clips"].begin(), generated["clips"].end(),
@@ -430,11 +434,11 @@ TEST(TrainingRun, ATableOverTwoSetsHasARowOfEachNetworkAndMarksSubstitutes) {
     EXPECT_EQ(methods[method], 4) << method << ", once a set and its held-out persons";
   }
   EXPECT_EQ(methods["Real-test"], 2);
-  const std::string page = ReadText(folder / "r/data/humanact12/report/index.html");
-  std::size_t strips = 0;
-  const std::string strip = "<figcaption>Ours</figcaption><svg";
-  for (std::size_t at = page.find(strip); at != std::string::npos; at = page.find(strip, at + 1)) ++strips;
-  EXPECT_EQ(strips, 12u) << "a generated motion of each class";
+  const std::string page = ReadText(folder / "r/data/humanact12/report/generated.html");
+  std::size_t motions = 0;
+  const std::string ours = "\"source\":1,";
+  for (std::size_t at = page.find(ours); at != std::string::npos; at = page.find(ours, at + 1)) ++motions;
+  EXPECT_EQ(motions, 36u) << "three generated motions of each class";
   EXPECT_GT(table["published"].size(), 20u);
   EXPECT_TRUE(fs::exists(folder / "r/data/ntu13/dataset.h5"));
   for (const auto& [set, weight] :

@@ -76,20 +76,6 @@ TEST(Filmstrip, PointsOfJointsWithoutTheirParentHangOnTheNearestObservedAncestor
   EXPECT_EQ(drawing.lines[0], (std::array<int, 2>{0, 1}));
 }
 
-TEST(Player, PositionsAreWholeMillimetresAndMissingPointsAreNull) {
-  const Motion motion = Stepping(Walker(), 20);
-  const JointTracks tracks = NoisyTracks(motion);
-  const nlohmann::json data = PlayerData("x", motion, &tracks, 1000000);
-  ASSERT_EQ(data["joints"].size(), 20U);
-  EXPECT_EQ(data["step"], 1);
-  EXPECT_EQ(data["joints"][0][3 * 3 + 1], -450) << "the left knee hangs 450 mm below the pelvis";
-  EXPECT_TRUE(data["points"][0][0].is_null());
-  EXPECT_TRUE(data["points"][0][3].is_number_integer());
-  const nlohmann::json thinned = PlayerData("x", motion, &tracks, 51 * 5);
-  EXPECT_EQ(thinned["step"], 4);
-  EXPECT_EQ(thinned["joints"].size(), 5U);
-}
-
 TEST(Pictures, Base64FollowsTheStandardsExamples) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");
@@ -113,14 +99,10 @@ class PictureTest : public ::testing::Test {
   Clip fitted_;
 };
 
-TEST_F(PictureTest, AllThreeKindsAreWrittenAsPng) {
-  const auto expect_png = [&](const Expected<std::string>& png) {
-    ASSERT_TRUE(png) << png.error().Message();
-    EXPECT_EQ(png->substr(1, 3), "PNG");
-  };
-  expect_png(ClipPicturePng(fitted_, evidence_));
-  expect_png(BodyOverlayPng(fitted_, evidence_, 0, 20));
-  expect_png(CloudPicturePng(fitted_, evidence_, 20));
+TEST_F(PictureTest, AViewUnderTheBodyIsWrittenAsPng) {
+  const auto png = BodyOverlayPng(fitted_, evidence_, 0, 20);
+  ASSERT_TRUE(png) << png.error().Message();
+  EXPECT_EQ(png->substr(1, 3), "PNG");
 }
 
 TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
@@ -146,12 +128,10 @@ TEST_F(PictureTest, ABodyIsDrawnWithTheRadiiItWasFittedWith) {
 TEST_F(PictureTest, WhatIsNotThereIsNamed) {
   EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 3, 20).error().code, ErrorCode::kInconsistent);
   EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 400).error().code, ErrorCode::kInconsistent);
-  EXPECT_EQ(ClipPicturePng(Clip(), evidence_).error().code, ErrorCode::kInconsistent);
   evidence_.depth_views[0].camera.width = 100;
   EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 20).error().code, ErrorCode::kInconsistent);
   ASSERT_TRUE(WriteFile(run_.folder / "depth.png", "no picture"));
   EXPECT_EQ(BodyOverlayPng(fitted_, evidence_, 0, 20).error().code, ErrorCode::kMalformed);
-  EXPECT_EQ(CloudPicturePng(fitted_, Evidence(), 20).error().code, ErrorCode::kInconsistent);
 }
 
 }  // namespace

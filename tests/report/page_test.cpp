@@ -98,13 +98,6 @@ TEST(ReportPage, HoldsEverySectionAndTheFiguresOfTheRun) {
   EXPECT_LT(page.size(), 5U << 20);
 }
 
-TEST(ReportPage, DrawsTheFittedBodyOverTheDepthView) {
-  SmallRun run;
-  const std::string page = PageOf(run);
-  EXPECT_THAT(page, HasSubstr("data:image/png;base64,iVBORw0KGgo"));
-  EXPECT_THAT(page, HasSubstr("Fit over view front, frame 20"));
-}
-
 TEST(ReportPage, DrawsHowManyErrorsTheStatedUncertaintyCovers) {
   SmallRun run;
   EXPECT_EQ(PageOf(run).find("estimated standard deviations, %</figcaption>"), std::string::npos);
@@ -149,15 +142,7 @@ TEST(ReportPage, LinksEveryClipThatHasAPageAndListsTheRest) {
   EXPECT_LT(page.find(">test/p1/b</a>"), page.find("<th scope=\"row\">test/p1/a</th>"));
   run.run["viewers"]["clips"] = "viewer.html";
   run.inputs.push_back({"dataset", "dataset.h5", run.folder / "fit_b.h5", ""});
-  EXPECT_THAT(PageOf(run), HasSubstr("<a href=\"viewer.html#clip=test%2Fp1%2Fb%230-40&amp;t=0.000\">3-D</a>"));
-}
-
-TEST(ReportPage, SaysWhyADepthViewIsNotDrawnAndKeepsTheRest) {
-  SmallRun run;
-  run.inputs.pop_back();
-  const std::string page = PageOf(run);
-  EXPECT_THAT(page, HasSubstr("Not drawn over view front, frame 20: "));
-  EXPECT_THAT(page, HasSubstr("worst fit"));
+  EXPECT_THAT(PageOf(run), HasSubstr("<a href=\"viewer.html#clip=test%2Fp1%2Fb%230-40&amp;t=0.000\">3‑D</a>"));
 }
 
 TEST(ReportPage, EscapesTextsOfTheCapture) {

@@ -1,6 +1,7 @@
 // The viewer: what its pages hold, and what they do in a browser.
 
 #include "report/viewer_data.h"
+#include "report/viewer_evidence.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -336,11 +337,11 @@ TEST(ViewerInABrowser, PartsBesideThePageAreReadAndWhatIsAmissIsSaid) {
     EXPECT_TRUE(WriteFile(viewed.folder / name / "index.html", html));
     EXPECT_TRUE(WriteFile(viewed.folder / name / "part_0000.js", text));
   };
-  write("other part", page, changed(part, "take(1,", "take(2,"));
+  write("other part", page, changed(part, "take(2,", "take(3,"));
   write("cut part", page, part.substr(0, 100));
-  write("foreign part", page, changed(part, "take(1,\"", "take(1,\"0"));
+  write("foreign part", page, changed(part, "take(2,\"", "take(2,\"0"));
   write("damaged part", page, changed(part, ",0,\"", ",0,\"!!"));
-  write("other page", changed(page, "\"schema\":1", "\"schema\":9"), part);
+  write("other page", changed(page, "\"schema\":2", "\"schema\":9"), part);
   const nlohmann::json seen =
       viewed.Drive("look", {"page", "other part", "cut part", "foreign part", "damaged part", "other page"});
   ASSERT_EQ(seen.size(), 6U);

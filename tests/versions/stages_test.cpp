@@ -401,7 +401,6 @@ TEST_F(StageVersions, ReportAndPicture) {
   Judge(ReportDeclaration(), "report", report, kRounded);
   Judge(ClipPageDeclaration(), "clip_page", {clip.id(), OptionsToJson(ClipPageOptions()), drawn}, kRounded);
   Judge(ClipVideoDeclaration(), "clip_video", {clip.id(), nlohmann::json::object(), drawn}, kRounded);
-  Judge(PictureDeclaration(), "picture", {clip.id(), OptionsToJson(PictureOptions()), drawn}, kComputed);
 }
 
 TEST_F(StageVersions, PicturesOfMotions) {

@@ -1,67 +1,10 @@
-#pragma once
-
-namespace mocurate {
-
-/// One question at a time, after the styles of all pages and of the review.
-inline constexpr const char* kSurveyStyle = R"css(
-[hidden] { display: none !important; }
-header, main, footer, .bar > div { max-width: 1300px; }
-.bar { position: sticky; top: 0; z-index: 2; background: var(--card); border-bottom: 1px solid var(--rule);
-  padding: 8px 0; }
-.bar > div { margin: 0 auto; padding: 0 24px; display: flex; flex-wrap: wrap; gap: 6px 10px; align-items: center;
-  font-size: 14px; }
-.bar progress { width: 120px; } #message { font-weight: 600; } button { min-height: 44px; }
-#participant { font: inherit; color: inherit; background: var(--page); border: 1px solid var(--rule);
-  border-radius: 6px; padding: 2px 6px; width: 150px; height: 44px; } #participant:invalid { border-color: var(--bad); }
-.question, #end { scroll-margin-top: 110px; } .question:focus, #end:focus { outline: none; } h3 { margin: 0 0 4px; }
-.clips { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 44%), 1fr)); gap: 18px 12px; }
-.shown { position: relative; border: 2px solid transparent; border-radius: 10px; padding: 6px; min-width: 0; }
-.shown.here { border-color: var(--after); }
-.shown .player canvas { height: 260px; touch-action: pan-y; }
-.shown[data-rank]::after { content: attr(data-rank); position: absolute; top: 36px; left: 14px; min-width: 36px;
-  border-radius: 18px; background: var(--after); color: var(--card); font: 600 20px/36px system-ui, sans-serif;
-  text-align: center; }
-.choices { display: flex; flex-wrap: wrap; gap: 6px; margin-top: 6px; } .answer { flex: 1 1 40%; min-width: max-content; padding: 2px 6px; }
-.answer[aria-pressed=true] { border-color: var(--after); box-shadow: 0 0 0 1px var(--after) inset; font-weight: 600; }
-@media (max-width: 760px) { section { padding: 12px 8px; } .bar > div { padding: 0 14px; } .bar progress, .bar kbd { display: none; }
-  .shown { padding: 4px; } .shown .player canvas { height: 190px; } .controls output { display: none; } }
-)css";
-
-/// What kSurveyScript fills in. A template with the id "player" must follow.
-inline constexpr const char* kSurveyBody = R"html(<header>
-<h1></h1><p class="lead"></p><p class="soft" id="keys"></p>
-</header>
-<div class="bar"><div><progress id="progress" value="0" aria-label="Questions answered"></progress>
-<span id="count"></span><button type="button" id="back">Back <kbd>b</kbd></button>
-<button type="button" id="next">Next <kbd>n</kbd></button>
-<button type="button" id="save">Save <kbd>s</kbd></button>
-<span id="message" aria-live="polite"></span></div></div>
-<main id="main">
-<section id="no-webgl" hidden><h2>This browser cannot draw the bodies</h2>
-<p>WebGL is switched off or missing. Open the page in another browser, or switch on hardware acceleration in the
-settings of this one, then load the page again.</p></section>
-<div id="questions"></div>
-<section id="end" tabindex="-1" hidden><h2>That was the last question</h2>
-<p id="finished"></p><p class="soft">Save the answers and send the file to whoever asked you.</p></section>
-<section id="saving"><p><label>Participant: letters, digits, _ and - <input type="text" id="participant" maxlength="40"
-pattern="[A-Za-z0-9_\-]+" autocomplete="off"></label></p>
-<details id="text"><summary>The answers as text</summary>
-<textarea id="answers" readonly rows="12" aria-label="Answers as JSON"></textarea></details>
-<p><button type="button" id="forget">Begin again for another person</button>
-<button type="button" id="sure" hidden>Yes, forget these answers</button></p></section>
-</main>
-)html";
-
-/// Needs kPageToolsScript and kPlayerScript, and kSkinScript where there is a body. Reads #survey-data: {"survey",
-/// "kind", "body" or null, "questions": [{"id", "label", "motions"}]}. Answers, also half-filled ones, are in the
-/// browser's store under the survey's id until another person begins. "Save" writes answers_PARTICIPANT.json, which is
-/// also in #answers: {"survey", "participant", "answers": [{"question", "answer"}], "missing": [questions]}; `answer`
-/// has a rank, or "real" or "generated", of each motion in the order of the page. Half-filled ones are missing. Sets
-/// data-survey on <html> to the number of questions.
-inline constexpr const char* kSurveyScript = R"js(
 'use strict';
-(() => {
-  const page = JSON.parse(document.getElementById('survey-data').textContent);
+// Needs page_tools.js, player.js and drawn.js. Reads #survey-data: {"survey", "kind", "questions": [{"id", "label", "motions":
+// numbers of the clips of #viewer-index}]}. Answers, also half-filled ones, are in the browser's store under the survey's id until another person begins. "Save" writes
+// answers_PARTICIPANT.json, which is also in #answers: {"survey", "participant", "answers": [{"question", "answer"}],
+// "missing": [questions]}; `answer` has a rank, or "real" or "generated", of each motion in the order of the page.
+// Half-filled ones are missing. Sets data-survey on <html> to the number of questions.
+const mocurateSurvey = (page, all, clipOf) => {
   const find = id => document.getElementById(id);
   const ranking = page.kind === 'ranking', total = page.questions.length;
   const choices = ranking ? [['', '']] : [['real', 'Real'], ['generated', 'Generated']];
@@ -79,8 +22,7 @@ inline constexpr const char* kSurveyScript = R"js(
       ' Space plays and pauses, b goes back, n continues, s saves. Drag a figure to rotate it. Answers stay in this ' +
       'browser until you save them as a file.';
 
-  const skin = page.body && mocurateSkin(page.body);
-  if (page.body && !skin) {
+  if (!clipOf) {
     find('no-webgl').hidden = false;
     find('saving').hidden = document.querySelector('.bar').hidden = true;
     return;
@@ -126,7 +68,7 @@ inline constexpr const char* kSurveyScript = R"js(
     element('p', 'soft', ranking ? 'Which has the best quality and fits the label best? The best is first.' :
         'Judge each motion by itself. Do not compare them with one another.', section);
     const clips = element('div', 'clips', '', section);
-    const drawn = question.motions.map(motion => skin ? skin.clipOf(motion) : {...motion});
+    const drawn = question.motions.map(motion => clipOf(all[motion]));
     const radius = Math.max(...drawn.map(clip => mocuratePlayer.extent({...clip, follow: true}).radius));  // one scale
     const shown = question.motions.map((motion, i) => {
       const root = element('div', 'shown', '', clips), name = 'Motion ' + (i + 1);
@@ -284,7 +226,11 @@ inline constexpr const char* kSurveyScript = R"js(
   const first = page.questions.findIndex(q => !answerOf(q));
   visit(first < 0 ? total : first);
   document.documentElement.dataset.survey = String(total);
+};
+(() => {
+  const read = id => JSON.parse(document.getElementById(id).textContent), index = read('viewer-index');
+  Promise.all(index.clips.map(clip => mocurateParts.read(index, clip.place[0])
+    .then(buffer => mocurateClip(clip, index.skeletons[clip.skeleton], buffer))))
+    .then(clips => mocurateSurvey(read('survey-data'), clips, mocurateDrawn(index)))
+    .catch(problem => { document.getElementById('message').textContent = problem.message; });
 })();
-)js";
-
-}  // namespace mocurate

@@ -1,234 +1,8 @@
-#pragma once
-
-namespace mocurate {
-
-/// Timelines, cards and the bar of labels, after the styles of all pages and of the review.
-inline constexpr const char* kAnnotateStyle = R"css(
-[hidden] { display: none !important; }
-.track { position: relative; overflow: hidden; border-radius: 8px; background: var(--page); cursor: crosshair;
-  user-select: none; touch-action: none; }
-.track canvas { display: block; width: 100%; height: 92px; } .lanes { position: relative; min-height: 28px; }
-.span { position: absolute; height: 24px; min-width: 4px; padding: 0 5px; overflow: hidden; white-space: nowrap;
-  text-align: left; font-size: 13px; line-height: 20px; color: var(--ink); border: 2px solid hsl(var(--hue) 60% 45%);
-  background: hsl(var(--hue) 60% 50% / .25); border-radius: 5px; }
-.span[aria-pressed=true] { box-shadow: 0 0 0 2px var(--ink) inset; font-weight: 600; }
-.span.proposed { border-style: dashed; background: none; }
-.span.unnamed { border-color: var(--bad); font-style: italic; }
-.playhead, .mark, .drawn { position: absolute; top: 0; bottom: 0; pointer-events: none; }
-.playhead { width: 2px; margin-left: -1px; background: var(--ink); } .mark { width: 2px; background: var(--bad); }
-.drawn { background: hsl(210 60% 50% / .3); }
-.bar { position: sticky; top: 0; z-index: 2; background: var(--card); border-bottom: 1px solid var(--rule);
-  padding: 8px 0; }
-.bar > div { max-width: 1080px; margin: 0 auto; padding: 0 24px; display: flex; flex-wrap: wrap; gap: 6px 10px;
-  align-items: center; font-size: 14px; }
-.bar progress { width: 120px; } #message { font-weight: 600; }
-#labels { max-height: 92px; overflow-y: auto; padding-top: 6px; }
-#labels button { border-left: 8px solid hsl(var(--hue) 60% 45%); }
-.annotated:focus { outline: none; } .annotated { content-visibility: auto; contain-intrinsic-size: auto 420px; }
-.annotated.done h2::after { content: " done"; color: var(--good); }
-.only-undone .annotated.done:not(.here) { display: none; }
-.annotated .clip { align-items: start; } .verdicts input.label { width: 136px; }
-.annotated .verdicts input[type=number] { width: 80px; } .done-button[aria-pressed=true] { border-color: var(--good); }
-)css";
-
-/// Reads the cards of the annotation page and writes spans.csv.
-inline constexpr const char* kAnnotateFilesScript = R"js(
 'use strict';
-const annotateFiles = {
-  // Of the script element of that class in a card.
-  bytes(root, name) {
-    const text = root.querySelector('script.' + name).textContent;
-    return Uint8Array.from(atob(text.split(',')[1]), c => c.charCodeAt(0));
-  },
-  // Rows of x, y, z in mm (report/packed_frames.cpp): the root as three int16, each other joint as three int8 from it.
-  poses(root, clip, joints) {
-    const bytes = annotateFiles.bytes(root, 'poses'), view = new DataView(bytes.buffer);
-    const wide = 6 + 3 * (joints - 1), rows = [];
-    for (let from = 0; from + wide <= bytes.length; from += wide) {
-      const row = new Float32Array(3 * joints);
-      for (let i = 0; i < 3; ++i) row[i] = clip.root_mm * view.getInt16(from + 2 * i, true);
-      for (let i = 3; i < row.length; ++i) row[i] = row[i % 3] + clip.joint_mm * view.getInt8(from + 3 + i);
-      rows.push(row);
-    }
-    return rows;
-  },
-  // Of spans {clip, begin_s, end_s, label, fine_label or none}, in the order of clips and time.
-  csv(spans) {
-    const order = (a, b) => a < b ? -1 : a > b ? 1 : 0;
-    const plain = text => /^'*[=+\-@\t\r]/.test(text) && isNaN(text) ? "'" + text : text;  // core/base/table_text.h
-    const quoted = text => /[",\r\n]|^\s|\s$/.test(text) ? '"' + plain(text).replaceAll('"', '""') + '"' : plain(text);
-    const hasFine = spans.some(span => span.fine_label);
-    const line = span => [quoted(span.clip), span.begin_s.toFixed(3), span.end_s.toFixed(3), quoted(span.label)].concat(
-        hasFine ? quoted(span.fine_label || '') : []).join(',') + '\n';
-    const byTime = (a, b) => order(a.clip, b.clip) || a.begin_s - b.begin_s || a.end_s - b.end_s ||
-        order(a.label, b.label);
-    const header = 'clip,begin_s,end_s,label' + (hasFine ? ',fine_label\n' : '\n');
-    return header + [...spans].sort(byTime).map(line).join('');
-  },
-};
-)js";
-
-/// mocurateTimeline(root, clip, on): spans of a clip over its speed curve, in the `.track` of `root`. Dragging on an
-/// empty area creates a span, dragging an edge moves it, a click moves the playhead. `clip`: {frames, hz, begin_s,
-/// fastest}: seconds of the first frame in the recording, m/s of the curve's top. `on`: spans() in order, bounds(span)
-/// -> [begin, end] in frames, selected(), hue(label), select(span or null), create(begin, end), adjust(span, edge,
-/// frame), seek(frame). Returns {wake(speeds), rest(), show(), playhead(frame), mark(frame or null), zoom(factor)};
-/// `speeds` are bytes, 255 times the square root of speed over the fastest.
-inline constexpr const char* kTimelineScript = R"js(
-'use strict';
-const mocurateTimeline = (root, clip, on) => {
-  const track = root.querySelector('.track');
-  const [lanes, curve, head, mark, drawn] = ['.lanes', 'canvas', '.playhead', '.mark', '.drawn'].map(
-      name => track.querySelector(name));
-  const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
-  let view = [0, clip.frames], speeds = null, at = 0, marked = null;
-  const share = frame => 100 * (frame - view[0]) / (view[1] - view[0]);
-  const frameAt = x => {
-    const box = track.getBoundingClientRect();
-    return clamp(view[0] + (x - box.left) / Math.max(1, box.width) * (view[1] - view[0]), 0, clip.frames);
-  };
-  const place = (element, begin, end) => {
-    element.style.left = share(begin) + '%';
-    element.style.width = share(end) - share(begin) + '%';
-  };
-
-  const show = () => {
-    if (!speeds) return;
-    const focused = lanes.contains(document.activeElement);
-    const ends = [];
-    lanes.replaceChildren();
-    for (const span of on.spans()) {
-      const [begin, end] = on.bounds(span);
-      let lane = ends.findIndex(taken => taken <= begin);
-      if (lane < 0) lane = ends.push(0) - 1;
-      ends[lane] = end;
-      const button = document.createElement('button');
-      button.type = 'button';
-      button.className = 'span' + (span.proposed ? ' proposed' : '') + (span.label ? '' : ' unnamed');
-      button.textContent = (span.label || 'no label') + (span.fine_label ? ': ' + span.fine_label : '');
-      button.setAttribute('aria-pressed', String(span === on.selected()));
-      button.setAttribute('aria-label', button.textContent + ', ' + span.begin_s.toFixed(3) + ' s to ' +
-          span.end_s.toFixed(3) + ' s' + (span.proposed ? ', proposed' : ''));
-      button.style.setProperty('--hue', on.hue(span.label));
-      button.style.top = 2 + 26 * lane + 'px';
-      button.span = span;
-      place(button, begin, end);
-      button.addEventListener('click', () => on.select(span));
-      lanes.append(button);
-      if (focused && span === on.selected()) button.focus({preventScroll: true});
-    }
-    lanes.style.height = 2 + 26 * Math.max(1, ends.length) + 'px';
-    head.style.left = share(at + 0.5) + '%';
-    mark.hidden = marked === null;
-    if (marked !== null) mark.style.left = share(marked + 0.5) + '%';
-  };
-
-  const drawCurve = () => {
-    if (!speeds) return;
-    const style = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-    const ratio = window.devicePixelRatio || 1, width = curve.clientWidth || 600, height = curve.clientHeight || 92;
-    curve.width = Math.round(width * ratio);
-    curve.height = Math.round(height * ratio);
-    const pen = curve.getContext('2d');
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    const floor = height - 16, bin = x => (view[0] + x / width * (view[1] - view[0])) / clip.frames * speeds.length;
-    pen.fillStyle = style('--before');
-    for (let x = 0; x < width; ++x) {
-      const first = Math.floor(bin(x)), end = Math.max(first + 1, Math.floor(bin(x + 1)));
-      const tall = (floor - 18) * Math.max(0, ...speeds.subarray(first, end)) / 255;
-      pen.fillRect(x, floor - tall, 1, tall);
-    }
-    pen.fillStyle = pen.strokeStyle = style('--soft');
-    pen.font = '11px system-ui, sans-serif';
-    const seen_s = (view[1] - view[0]) / clip.hz, from_s = clip.begin_s + view[0] / clip.hz;
-    const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600].find(s => s / seen_s * width >= 70) || 1200;
-    for (let k = Math.ceil(from_s / step); k * step <= from_s + seen_s; ++k) {
-      const x = (k * step - from_s) / seen_s * width;
-      pen.fillRect(x, floor, 1, 4);
-      pen.fillText((k * step).toFixed(step < 1 ? 1 : 0) + ' s', x + 3, height - 3);
-    }
-    pen.textAlign = 'right';
-    pen.fillText('fastest joint, at most ' + clip.fastest.toFixed(1) + ' m/s', width - 4, 12);
-    pen.textAlign = 'left';
-  };
-
-  const look = (begin, wide) => {
-    begin = clamp(begin, 0, clip.frames - wide);
-    view = [begin, begin + wide];
-    drawCurve();
-    show();
-  };
-  const zoom = factor => {
-    const wide = clamp((view[1] - view[0]) * factor, Math.min(30, clip.frames), clip.frames);
-    look(at + 0.5 - wide / 2, wide);
-  };
-
-  track.addEventListener('pointerdown', e => {
-    if (e.button !== 0) return;
-    const button = e.target.closest('.span');
-    const span = button ? button.span : null;
-    let edge = null;
-    if (span) {
-      const box = button.getBoundingClientRect(), grip = Math.min(8, box.width / 3);
-      edge = e.clientX - box.left < grip ? 0 : box.right - e.clientX < grip ? 1 : null;
-      on.select(span);
-      if (edge === null) return;
-    }
-    const from = edge === null ? Math.round(frameAt(e.clientX)) : on.bounds(span)[1 - edge];
-    let to = from, moved = false;
-    const move = m => {
-      if (!moved && Math.abs(m.clientX - e.clientX) < 4) return;
-      moved = true;
-      to = Math.round(clamp(frameAt(m.clientX), view[0], view[1]));
-      on.seek(clamp(to, Math.ceil(view[0]), Math.floor(view[1]) - 1));
-      drawn.hidden = false;
-      place(drawn, Math.min(from, to), Math.max(from, to));
-    };
-    const up = u => {
-      for (const [type, f] of [['pointermove', move], ['pointerup', up], ['pointercancel', up]])
-        document.removeEventListener(type, f);
-      drawn.hidden = true;
-      if (u.type === 'pointercancel') return;
-      if (moved && span) on.adjust(span, edge, to);
-      else if (moved) on.create(from, to);
-      else if (!span) {
-        on.select(null);
-        on.seek(Math.min(clip.frames - 1, Math.floor(frameAt(e.clientX))));
-      }
-    };
-    for (const [type, f] of [['pointermove', move], ['pointerup', up], ['pointercancel', up]])
-      document.addEventListener(type, f);
-  });
-  track.addEventListener('wheel', e => {
-    if (!e.ctrlKey) return;
-    e.preventDefault();
-    zoom(e.deltaY > 0 ? 1.25 : 0.8);
-  }, {passive: false});
-  window.addEventListener('resize', drawCurve);
-  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawCurve);
-
-  return {
-    wake(bytes) { speeds = bytes; drawCurve(); show(); },
-    rest() { speeds = null; curve.width = 0; lanes.replaceChildren(); },
-    show,
-    playhead(frame) {
-      at = frame;
-      const wide = view[1] - view[0];
-      if (at < view[0] || at + 1 > view[1]) look(at < view[0] ? at - 0.9 * wide : at - 0.1 * wide, wide);
-      head.style.left = share(at + 0.5) + '%';
-    },
-    mark(frame) { marked = frame; show(); },
-    zoom,
-  };
-};
-)js";
-
-/// Reads #annotate-data (annotate_page.cpp); each card contains poses and speeds of its clip, which are decoded while
-/// the card is near the window. Seconds of spans are from the first frame of the recording. Marked spans are stored in
-/// the browser under the clip's key. "Save" writes spans.csv, which is also in #csv. Sets data-annotate on <html> to
-/// the number of cards.
-inline constexpr const char* kAnnotateScript = R"js(
-'use strict';
+// Reads #annotate-data (annotate_page.cpp) and the motions of #viewer-index, which are decoded while the card of their clip
+// is near the window. Seconds of spans are from the first frame of the recording. Marked spans are stored in
+// the browser under the clip's key. "Save" writes spans.csv, which is also in #csv. Sets data-annotate on <html> to
+// the number of cards.
 (() => {
   const page = JSON.parse(document.getElementById('annotate-data').textContent);
   const find = id => document.getElementById(id);
@@ -240,9 +14,27 @@ inline constexpr const char* kAnnotateScript = R"js(
   const keyOf = card => 'mocurate annotate\n' + card.clip.key;
   const hue = label => (Math.max(0, labels.indexOf(label)) * 137.508 + 210) % 360;
 
-  const cards = [...document.querySelectorAll('.annotated')].map((root, i) => {
-    const clip = page.clips[i];
-    const card = {root, clip, mark: null, asked: '', player: null, awake: false, near: false};
+  const index = JSON.parse(find('viewer-index').textContent), clipOf = mocurateDrawn({...index, skins: []});
+  const plural = (count, noun) => count + ' ' + noun + (count === 1 ? '' : 's');
+  document.querySelector('h1').textContent = 'Annotate ' + page.dataset;
+  document.querySelector('.lead').textContent = plural(page.clips.length, 'clip') + '; players show ' +
+    Math.round(10 * Math.min(...page.clips.map(clip => clip.hz / clip.step))) / 10 +
+    ' poses a second or more, times and the speed curve have every frame';
+  find('progress').max = Math.max(1, page.clips.length);
+  const cards = page.clips.map((clip, i) => {
+    find('cards').append(find('card').content.cloneNode(true));
+    const root = find('cards').lastElementChild, set = (name, text) => { root.querySelector(name).textContent = text; };
+    root.setAttribute('aria-label', clip.clip);
+    root.querySelector('.track').setAttribute('aria-label', 'Spans of ' + clip.clip);
+    set('.name', clip.clip);
+    set('.place', i + 1 + ' of ' + page.clips.length);
+    set('.facts', (clip.frames / clip.hz).toFixed(1) + ' s' + (clip.begin_s > 0 ? ', from ' + clip.begin_s.toFixed(2) +
+      ' s of its recording' : '') + ', ' + plural(clip.frames, 'frame') + ' at ' + Math.round(1000 * clip.hz) / 1000 + ' Hz' +
+      (clip.person ? ', person ' + clip.person : '') + (clip.label ? ', labelled ' + clip.label : ''));
+    root.querySelector('.player-place').append(find('player').content.cloneNode(true));
+    for (const part of root.querySelectorAll('.player, .player [aria-label]'))
+      part.setAttribute('aria-label', part.getAttribute('aria-label').replace('this clip', clip.clip));
+    const card = {root, clip, number: i, mark: null, asked: '', player: null, awake: false, near: false};
     const kept = pageTools.read(keyOf(card)) || {};
     card.spans = (Array.isArray(kept.spans) ? kept.spans : clip.spans).map(span => ({...span}));
     card.done = kept.done === undefined ? clip.done : kept.done;
@@ -405,27 +197,33 @@ inline constexpr const char* kAnnotateScript = R"js(
     if (next >= 0) visit(next);
   };
 
-  const posesOf = card => annotateFiles.poses(card.root, card.clip, page.joints);
+  const posesOf = card => {
+    const clip = index.clips[card.number];
+    return mocurateParts.read(index, clip.place[0])
+      .then(buffer => clipOf(mocurateClip(clip, index.skeletons[clip.skeleton], buffer)));
+  };
   const wake = card => {
     if (card.awake) return;
     const clip = card.clip;
     card.awake = true;
     if (!card.player) {
-      card.drawn = {joints: posesOf(card), points: [], lines: [], bones: page.bones, hz: clip.hz, step: 1,
-        thinned: clip.step, count: clip.frames, zero_s: clip.begin_s, follow: true, yaw: clip.yaw, pitch: clip.pitch,
-        speed, moved: frame => card.timeline.playhead(Math.round(frame))};
-      card.timeline = mocurateTimeline(card.root, clip, {
+      card.drawn = {joints: [], bones: [], hz: clip.hz, away: true, thinned: clip.step, count: clip.frames, zero_s: clip.begin_s,
+        follow: true, speed, yaw: index.clips[card.number].yaw + 0.45, pitch: 0.12,
+        moved: frame => card.timeline.playhead(Math.round(frame))};
+      card.timeline = mocurateSpanTrack(card.root, clip, {
         spans: () => card.spans, selected: () => selected, hue, bounds: span => bounds(card, span),
         select: span => select(card, span), create: (first, last) => create(card, first, last),
         adjust: (span, edge, frame) =>
             adjust(card, span, [edge === 0 ? span.end_s : span.begin_s, timeOf(card, frame)]),
         seek: frame => { card.player.pause(); card.player.show(frame); }});
       card.player = mocuratePlayer(card.root.querySelector('.player'), card.drawn);
-    } else {
-      Object.assign(card.drawn, {joints: posesOf(card), away: false});
-      card.player.draw();
     }
-    card.timeline.wake(annotateFiles.bytes(card.root, 'speeds'));
+    posesOf(card).then(({joints, bones}) => {
+      if (!card.awake) return;
+      Object.assign(card.drawn, {joints, bones, away: false});
+      card.player.draw();
+    }).catch(problem => tell(problem.message));
+    card.timeline.wake(annotateFiles.bytes(card.clip.speeds));
     showCard(card);
   };
   const rest = card => {
@@ -602,6 +400,3 @@ inline constexpr const char* kAnnotateScript = R"js(
   showProgress();
   document.documentElement.dataset.annotate = String(cards.length);
 })();
-)js";
-
-}  // namespace mocurate
