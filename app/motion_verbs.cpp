@@ -193,6 +193,8 @@ void AddView(const CommandLine& line) {
                    "MOCURATE_WEIGHTS)");
   AddRepeated(view, "--tolerate", arguments->tolerate,
               "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
+  view->add_flag("--audit", arguments->audit,
+                 "audit the motions first: a map of the clips, those nearest to each, and findings");
   view->add_option("--source", arguments->source, "source declaration, for files without one of their own");
   view->add_option("--title", arguments->title, "title of the page");
   view->add_flag("--force", arguments->force, "overwrite the output");

@@ -120,9 +120,10 @@ nlohmann::json JsonOf(const AuditFinding& found) {
   return json;
 }
 
+constexpr std::size_t kNearest = 4;  ///< listed of each clip
+
 /// A line per clip: id, label, person, fingerprint, margin of its label, its measures, place in the map of the set and
 /// ids of the nearest clips; null where it lacks one.
-constexpr std::size_t kNearest = 4;
 nlohmann::json ClipsJson(const Dataset& dataset, const std::vector<std::vector<double>>& measures,
                          const std::map<std::string, NearestClass>& nearest) {
   nlohmann::json clips = nlohmann::json::array();

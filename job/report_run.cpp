@@ -248,46 +248,47 @@ Status WriteViewer(ItemSpec item, ViewerOptions options, const std::filesystem::
     item.inputs.push_back({"body", body.filename().string(), body, ""});
   const auto made = runs.One(ViewDeclaration(), std::move(item));
   if (!made) return Forward(made);
+  if (const auto lost = made->summary.value("frames_without_cloud", 0LL); lost > 0) {
+    LogWarning("the images or clouds of " + Counted(lost, "frame") + " cannot be read: the viewer does not show them");
+  }
   return made->artifact.empty() ? Status() : CopyViewer(*made, page);
 }
 
-/// Pages with all clips of the dataset and their evidence, and with the motions of `generated` beside real ones.
-Status WriteViewers(const ReportedRun& run, const std::vector<StageInput>& generated, StageRuns& runs,
-                    const std::filesystem::path& folder, JobResult& result) {
+/// A page with all clips of the dataset, their evidence, audit and truth.
+Status WriteClipsViewer(const ReportedRun& run, StageRuns& runs, const std::filesystem::path& folder) {
   StageInput dataset = InputFrom("motions", run.dataset);
   dataset.name = "dataset";
-  ItemSpec all{"viewer", {}, {dataset}};
+  ItemSpec item{"viewer", {}, {dataset}};
   for (const ClipRecord& clip : run.clips) {
     if (!clip.kept()) continue;
-    all.inputs.push_back(InputFrom("evidence of dataset", clip.evidence));
+    item.inputs.push_back(InputFrom("evidence of dataset", clip.evidence));
     for (StageInput depth : run.options.report.clouds ? clip.depth : std::vector<StageInput>()) {
       depth.role = "depth of dataset";
-      all.inputs.push_back(std::move(depth));
+      item.inputs.push_back(std::move(depth));
     }
   }
-  if (!run.audit.artifact.empty()) all.inputs.push_back(InputFrom("audit of dataset", run.audit));
+  if (!run.audit.artifact.empty()) item.inputs.push_back(InputFrom("audit of dataset", run.audit));
   for (StageInput truth : run.truth) {
     truth.role = "truth of dataset";
-    all.inputs.push_back(std::move(truth));
+    item.inputs.push_back(std::move(truth));
   }
   ViewerOptions options;
   options.title = run.options.name;
   options.clouds = run.options.report.clouds;
-  if (Status written = WriteViewer(std::move(all), options, folder / "report" / kViewerPage, runs); !written)
-    return written;
-  result.viewers["clips"] = kViewerPage;
-  if (generated.empty()) return {};
+  return WriteViewer(std::move(item), options, folder / "report" / kViewerPage, runs);
+}
+
+/// A page with the motions of `generated` beside real ones.
+Status WriteGeneratedViewer(const ReportedRun& run, const std::vector<StageInput>& generated, StageRuns& runs,
+                            const std::filesystem::path& folder) {
+  StageInput dataset = InputFrom("motions", run.dataset);
   dataset.name = "Real";
-  ItemSpec beside{"generated_viewer", {}, {dataset}};
-  beside.inputs.insert(beside.inputs.end(), generated.begin(), generated.end());
+  ItemSpec item{"generated_viewer", {}, {dataset}};
+  item.inputs.insert(item.inputs.end(), generated.begin(), generated.end());
+  ViewerOptions options;
   options.title = run.options.name + ": generated motions";
-  options.clouds = false;
   options.per_label = kSamples;
-  if (Status written = WriteViewer(std::move(beside), options, folder / "report" / kGeneratedPage, runs); !written) {
-    return written;
-  }
-  result.viewers["generated"] = kGeneratedPage;
-  return {};
+  return WriteViewer(std::move(item), options, folder / "report" / kGeneratedPage, runs);
 }
 
 }  // namespace
@@ -313,11 +314,19 @@ Status WriteReport(const ReportedRun& run, StageRuns& runs, const std::filesyste
   if (run.options.report.viewer) {
     const auto generated = GeneratedMotions(run, runs, result);
     if (!generated) return Forward(generated);
-    const Status viewed = WriteViewers(run, *generated, runs, folder, result);
-    if (!viewed && viewed.error().code == ErrorCode::kInterrupted) return viewed;
-    if (!viewed) {
-      result.viewers["failed"] = viewed.error().Message();
-      LogWarning("the report has no page of the viewer: " + viewed.error().Message());
+    const auto note = [&](const char* name, const char* page, const Status& written) {
+      if (written)
+        result.viewers[name] = page;
+      else
+        result.viewers["failed"][name] = written.error().Message();
+      if (!written) LogWarning("the report has no page " + std::string(page) + ": " + written.error().Message());
+      return written || written.error().code != ErrorCode::kInterrupted;
+    };
+    const Status clips = WriteClipsViewer(run, runs, folder);
+    if (!note("clips", kViewerPage, clips)) return clips;
+    if (!generated->empty()) {
+      const Status beside = WriteGeneratedViewer(run, *generated, runs, folder);
+      if (!note("generated", kGeneratedPage, beside)) return beside;
     }
   }
   if (Status written = WriteFile(input, RunSummary(run, result).dump(1) + "\n"); !written) return written;

@@ -116,7 +116,8 @@ std::string SeenHtml(const ClipPageInput& input) {
     html += Figure("Before: the tracked points", ToInlineSvg(DrawFilmstrip(clip.fitted, TracksOf(clip), false)));
   }
   html += Figure("After: the fitted motion", ToInlineSvg(DrawFilmstrip(clip.fitted)));
-  return html + "<div id=\"viewer\"></div>\n";
+  return html + "<div id=\"viewer\"></div>\n<noscript>" +
+         Paragraph("The viewer needs JavaScript, which is switched off.") + "</noscript>\n";
 }
 
 /// The clip for the viewer of the page: its index, and the frames as text.
@@ -128,7 +129,7 @@ std::pair<nlohmann::json, std::vector<std::string>> ViewedMotion(const ClipPageI
   });
   const Clip& clip = input.clip.fitted;
   std::optional<JointTracks> tracks;
-  if (const JointTracks* recorded = TracksOf(input.clip)) tracks = TracksOfClip(clip, *recorded);
+  if (TracksOf(input.clip) != nullptr) tracks = TracksOfClip(clip, input.clip.evidence);
   ViewedClip viewed{clip, FindingsOf(clip, {{clip.id(), input.findings}})};
   viewed.tracks = tracks ? &*tracks : nullptr;
   data.AddSource(input.clip.item);

@@ -48,7 +48,7 @@ std::string ViewerLink(const ReportInput& input, const std::string& name, int fr
   }
   if (found == nullptr) return EscapeHtml(text);
   const double time = own_frames ? frame / found->rate.hz()
-                                 : std::max(0.0, frame / RecordedRate(*found).hz() - BeginInRecording(*found));
+                                 : std::max(0, frame - found->identity.begin_frame) / RecordedRate(*found).hz();
   return "<a href=\"" + EscapeHtml(page + "#clip=" + PercentEncoded(found->id()) + "&t=" + FixedText(time, 3)) + "\">" +
          EscapeHtml(text) + "</a>";
 }
@@ -64,6 +64,8 @@ std::string MakePage(const ReportInput& input) {
   const std::string viewer = TextOf(Field(input.run, "viewers"), "clips");
   if (!viewer.empty())
     html += "<li><a href=\"" + EscapeHtml(viewer) + "\"><strong>All clips in 3-D</strong></a></li>\n";
+  if (const std::string failed = TextCell(Field(Field(input.run, "viewers"), "failed"), "clips"); !failed.empty())
+    html += "<li>No page of the viewer: " + failed + "</li>\n";
   html += "</ol></nav>\n<main id=\"main\">\n";
   for (const PageSection& section : kSections) {
     const std::string id = section.id;

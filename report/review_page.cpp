@@ -53,7 +53,7 @@ std::pair<double, double> SpanOf(const ReviewCard& card) {
 }
 
 /// A finding and its clips, with filmstrips, for review.js.
-nlohmann::json CardJson(const ReviewCard& card, std::size_t index) {
+nlohmann::json CardJson(const ReviewCard& card, std::size_t index, int step) {
   nlohmann::json json = {
       {"group", GroupOf(card, index)}, {"at", SpanOf(card).first}, {"clips", nlohmann::json::array()}};
   for (const char* key : {"code", "severity", "message"}) json[key] = TextOf(card.finding, key);
@@ -66,12 +66,22 @@ nlohmann::json CardJson(const ReviewCard& card, std::size_t index) {
                              {"label", clip.label},
                              {"person", clip.identity.person},
                              {"strip", ToInlineSvg(DrawFilmstrip(clip))}});
+    if (step > 1) json["clips"].back()["shown_hz"] = clip.rate.hz() / step;
   }
   return json;
 }
 
+/// Frames from one that the viewer shows to the next.
+int StepOf(const ReviewPageInput& input) {
+  double bytes = 0.0;
+  for (const ReviewCard& card : input.cards) {
+    for (const Clip& clip : card.clips) bytes += 12.0 * clip.motion->frame_count() * clip.motion->joint_count();
+  }
+  return std::max(1, static_cast<int>(std::ceil(bytes / kMotionBytes)));
+}
+
 /// The motions of all cards for the viewer beside them; those of a pair stand together.
-nlohmann::json MotionsOf(const ReviewPageInput& input, std::vector<std::string>& parts) {
+nlohmann::json MotionsOf(const ReviewPageInput& input, int step, std::vector<std::string>& parts) {
   ViewerData data([&](int, const std::string& bytes) {
     parts.push_back(Base64(bytes));
     return Status();
@@ -79,23 +89,21 @@ nlohmann::json MotionsOf(const ReviewPageInput& input, std::vector<std::string>&
   std::size_t clips = 0;
   for (const ReviewCard& card : input.cards) clips = std::max(clips, card.clips.size());
   for (std::size_t i = 0; i < clips; ++i) data.AddSource(i == 0 ? "the clip" : "the other");
-  double bytes = 0.0;
-  for (const ReviewCard& card : input.cards) {
-    for (const Clip& clip : card.clips) bytes += 12.0 * clip.motion->frame_count() * clip.motion->joint_count();
-  }
-  const int step = static_cast<int>(std::ceil(bytes / kMotionBytes));
   for (std::size_t i = 0; i < input.cards.size(); ++i) {
     const ReviewCard& card = input.cards[i];
     for (std::size_t k = 0; k < card.clips.size(); ++k) {
       const Clip& clip = card.clips[k];
-      const FrameRate lower{clip.rate.numerator, clip.rate.denominator * std::max(1, step)};
+      const FrameRate lower{clip.rate.numerator, clip.rate.denominator * step};
       const Clip shown = step > 1 ? Resample(clip, lower) : clip;
       ViewedClip viewed{shown, {}, "", GroupOf(card, i)};
       if (k == 0) {
         Finding finding;
         finding.code = TextOf(card.finding, "code");
         finding.message = TextOf(card.finding, "message");
-        finding.severity = TextOf(card.finding, "severity") == "error" ? Severity::kError : Severity::kWarning;
+        const std::string severity = TextOf(card.finding, "severity");
+        for (const Severity known : {Severity::kInfo, Severity::kError}) {
+          if (severity == Name(known)) finding.severity = known;
+        }
         viewed.findings.push_back({SpanOf(card).first, SpanOf(card).second, finding});
       }
       (void)data.Add(static_cast<int>(k), viewed);  // the sink has no errors
@@ -111,11 +119,12 @@ nlohmann::json MotionsOf(const ReviewPageInput& input, std::vector<std::string>&
 /// clip, and the decisions as the YAML that canon.review reads (canon/review/review.h).
 std::string MakeReviewPage(const ReviewPageInput& input) {
   std::vector<std::string> parts;
-  const nlohmann::json index = MotionsOf(input, parts);
+  const int step = StepOf(input);
+  const nlohmann::json index = MotionsOf(input, step, parts);
   nlohmann::json review = {{"dataset", input.dataset},     {"labels", input.labels},
                            {"about_set", input.about_set}, {"not_shown", input.not_shown},
                            {"decisions", input.decisions}, {"cards", nlohmann::json::array()}};
-  for (std::size_t i = 0; i < input.cards.size(); ++i) review["cards"].push_back(CardJson(input.cards[i], i));
+  for (std::size_t i = 0; i < input.cards.size(); ++i) review["cards"].push_back(CardJson(input.cards[i], i, step));
   return PageHead("Review of " + input.dataset, PageStyles({"viewer.css", "review.css"})) +
          "<body class=\"reviewed\">\n" + std::string(PageFile("review.html")) + "<footer>\n" +
          Paragraph("Made by " + EscapeHtml(CreatedBy()) + ".") +

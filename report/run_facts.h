@@ -18,10 +18,10 @@ long long CountOf(const nlohmann::json& json, const char* key);
 std::string TextOf(const nlohmann::json& json, const char* key);
 /// Finite numbers of an array; NaN for other elements.
 std::vector<double> NumbersOf(const nlohmann::json& json);
-/// The number with digits, else an en dash.
 /// A text, and a count, as cells of a table.
 std::string TextCell(const nlohmann::json& json, const char* key);
 std::string CountCell(const nlohmann::json& json, const char* key);
+/// The number with digits, else an en dash.
 std::string NumberCell(const nlohmann::json& json, const char* key, int digits);
 /// The number at clips[i]["fitting"][part][key] of all clips that have it; `part` may be empty.
 std::vector<double> OverClips(const nlohmann::json& run, const char* part, const char* key);

@@ -174,10 +174,11 @@ std::string JointErrorFigure(const nlohmann::json& joints_mm, const Skeleton& sk
   for (std::size_t j = 0; j < places.size(); ++j) {
     const auto mm = NumberOf(joints_mm, skeleton.joints[j].name.c_str());
     if (!mm) continue;
-    drawing.Dot(at(j), 3.0 + kWidest * *mm / most, *mm > 0.75 * most ? kBadColour : kAfterColour,
+    drawing.Dot(at(j), kWidest * *mm / most, *mm > 0.75 * most ? kBadColour : kAfterColour,
                 skeleton.joints[j].name + ": " + FixedText(*mm, 1) + " mm");
   }
-  return Figure("Mean error of each joint, from the front: the widest dot is " + FixedText(most, 1) + " mm",
+  return Figure("Mean error of each joint, from the front, as the width of its dot: the widest is " +
+                    FixedText(most, 1) + " mm, those above three quarters of it are red",
                 ToInlineSvg(drawing));
 }
 
@@ -261,7 +262,7 @@ std::string TruthHtml(const ReportInput& input) {
   const Skeleton* skeleton = input.dataset ? input.dataset->skeleton.get() : nullptr;
   return table.Html() + ErrorsByPart(error, skeleton) + SigmaTable(sigma) +
          (charts.empty() ? "" : "<div class=\"charts wide\">" + charts + "</div>\n") +
-         Paragraph("Only the evaluation reads the truth; no earlier stage does.", "soft");
+         Paragraph("No stage before the evaluation reads the truth; the viewer shows it beside the fits.", "soft");
 }
 
 std::string FilmstripsHtml(const ReportInput& input) {

@@ -164,7 +164,9 @@ std::string GeneratedHtml(const ReportInput& input) {
   for (const auto& [network, reason] : Field(input.run, "ungenerated").items()) {
     html += Paragraph(EscapeHtml(network) + " generated no motions: " + EscapeHtml(reason.get<std::string>()), "soft");
   }
-  const std::string viewer = EscapeHtml(TextOf(Field(input.run, "viewers"), "generated"));
+  const nlohmann::json& viewers = Field(input.run, "viewers");
+  const std::string viewer = TextCell(viewers, "generated"), failed = TextCell(Field(viewers, "failed"), "generated");
+  if (!failed.empty()) html += Paragraph("Their page could not be written: " + failed, "soft");
   if (viewer.empty() && html.empty()) {
     return Paragraph(input.options.viewer ? "No network of this run generated motions."
                                           : "<code>report.viewer: false</code> leaves out generated motions.");
@@ -172,7 +174,7 @@ std::string GeneratedHtml(const ReportInput& input) {
   if (viewer.empty()) return html;
   return html +
          Paragraph(
-             "Three motions of each class by each network, its first seed, beside real ones. They are not "
+             "Up to three motions of each class by each network, its first seed, beside real ones. They are not "
              "selected. <a href=\"" +
              viewer + "\">In a page of their own</a>.") +
          "<iframe src=\"" + viewer + "\" title=\"Generated motions beside real ones\" loading=\"lazy\"></iframe>\n";

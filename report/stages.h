@@ -8,9 +8,6 @@ namespace mocurate {
 /// -> one self-contained HTML page.
 Expected<StageOutcome> ReportStage(const StageRequest& request);
 
-/// One fitted clip (roles "evidence", "fit", "depth") -> a PNG. Options {"kind": clip | overlay | cloud}: stills of the
-/// clip, the body over its first depth view, or the bones inside the fused cloud, at the middle frame.
-
 /// One fitted clip (roles "evidence", "fit", "depth") -> an HTML page about it.
 Expected<StageOutcome> ClipPageStage(const StageRequest& request);
 
@@ -36,15 +33,17 @@ Expected<StageOutcome> ReviewStage(const StageRequest& request);
 /// without rotations where there is a body.
 Expected<StageOutcome> SurveyStage(const StageRequest& request);
 
-/// Sets of motions (role "motions", named after their source; role "evidence of SOURCE": evidence, by its recording;
-/// role "body": a skin) -> a folder with index.html, a page of the viewer, and, where options.page_bytes is exceeded,
+/// Sets of motions (role "motions", named after their source; "evidence of SOURCE": evidence, by its recording, and
+/// "depth of SOURCE", the files that it refers to; "audit of SOURCE": its audit.json; "truth of SOURCE"; "body": a
+/// skin)
+/// -> a folder with index.html, a page of the viewer, and, where options.page_bytes is exceeded,
 /// part_0000.js and so on, which belong into the folder `beside` the page. Clips are read one at a time. Errors of
 /// reading; kNotFound for an unknown clip, kInconsistent where no clip has a motion or a body does not fit.
 Expected<StageOutcome> ViewStage(const StageRequest& request);
 
 /// Inputs: roles "dataset" and, if there is an earlier session, "spans" (its table, core/formats/span_table.h)
 /// -> the page. Spans of the session replace the segments of the recordings that they name. Clips are read one at a
-/// time; while all poses exceed options.poses_bytes, every second one is dropped. Errors: kUsage for an unknown clip,
+/// time; poses are fifteen a second, or fewer where all exceed options.poses_bytes. Errors: kUsage for an unknown clip,
 /// kInconsistent when no clip is to be shown, or when no span is of a recording of the dataset; of ParseSpanTable.
 Expected<StageOutcome> AnnotateStage(const StageRequest& request);
 

@@ -51,9 +51,14 @@ Expected<std::string> MakeSurveyPage(const SurveyKey& key, const ShownClips& sho
   for (std::size_t q = 0; q < key.questions.size(); ++q) {
     nlohmann::json motions = nlohmann::json::array();
     for (const Clip& clip : shown[q]) {
-      Clip unnamed;
+      Clip unnamed;  // without what only some sources have
       unnamed.motion = clip.motion;
       unnamed.rate = clip.rate;
+      unnamed.motion->state.clear();
+      unnamed.motion->position_cov.clear();
+      unnamed.motion->contact.clear();
+      const Vector3d first = clip.motion->joints.at(0, 0);
+      Transform({Quaterniond::Identity(), Vector3d(-first.x(), 0.0, -first.z())}, unnamed);
       motions.push_back(data.clips());
       ViewedClip viewed{unnamed};
       viewed.skin = skin;

@@ -65,9 +65,9 @@ std::vector<const StageInput*> Beside(const StageRequest& request, const std::st
   return found;
 }
 
-/// Clips of a set, one at a time. `without`: clips that have no motion.
+/// Clips of a set, one at a time. `without`: clips that have no motion; `lost`: frames whose cloud cannot be read.
 Status AddSet(const StageRequest& request, const StageInput& input, const ViewerOptions& options, ViewerData& data,
-              std::vector<std::string>& without) {
+              std::vector<std::string>& without, std::size_t& lost) {
   const auto clips = DatasetClips::Open(input.path, DatasetClips::Check::kHashes);
   if (!clips) return Forward(clips);
   const auto outline = clips->Outline();
@@ -85,7 +85,10 @@ Status AddSet(const StageRequest& request, const StageInput& input, const Viewer
   int truth_source = -1;
   const std::map<int, std::string> parts = PartsOf(*outline);
   std::map<std::string, std::vector<Finding>> findings = audit.findings;
-  for (const Finding& finding : outline->findings) findings[finding.clip].push_back(finding);
+  for (const Finding& finding : outline->findings) {
+    const bool again = finding.action == FindingAction::kAudited && !audit.clips.empty();
+    if (!again) findings[finding.clip].push_back(finding);
+  }
   int skin_number = -1;
   const StageInput* body = FindInput(request, "body");
   if (body != nullptr && !outline->joints_only && outline->skeleton) {
@@ -107,6 +110,7 @@ Status AddSet(const StageRequest& request, const StageInput& input, const Viewer
     const auto part = parts.find(static_cast<int>(row));
     const auto seen = evidence.Of(*clip);
     if (!seen) return Forward(seen);
+    lost += seen->lost;
     const std::string group = options.per_label == 0 ? "" : clip->label.empty() ? "no label" : clip->label;
     ViewedClip viewed{*clip,
                       FindingsOf(*clip, findings),
@@ -128,8 +132,14 @@ Status AddSet(const StageRequest& request, const StageInput& input, const Viewer
     true_clip.label = clip->label;
     true_clip.rate = clip->rate;
     true_clip.motion = std::move(*real);
+    if (const std::string origin = clip->Noted(kHeightOrigin); !origin.empty())
+      true_clip.provenance[kHeightOrigin] = origin;
     Transform(clip->canonical_from_source, true_clip);
-    if (Status added = data.Add(truth_source, {true_clip, {}, "", group}); !added) return added;
+    ViewedClip true_viewed{true_clip, {}, viewed.part, group};
+    const bool same =
+        !true_clip.motion->joints_only() && SameTree(*true_clip.motion->skeleton, *clip->motion->skeleton);
+    true_viewed.skin = same ? skin_number : -1;
+    if (Status added = data.Add(truth_source, true_viewed); !added) return added;
   }
   return {};
 }
@@ -149,9 +159,10 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
     return WriteFile(request.output / PartName(part), text);
   });
   std::vector<std::string> without;
+  std::size_t lost = 0;
   for (const StageInput& input : request.inputs) {
     if (input.role != "motions") continue;
-    if (Status added = AddSet(request, input, *options, data, without); !added) return Forward(added);
+    if (Status added = AddSet(request, input, *options, data, without, lost); !added) return Forward(added);
   }
   if (Status finished = data.Finish(); !finished) return Forward(finished);
   if (data.clips() == 0) {
@@ -183,11 +194,9 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
   const std::string page = ViewerPage(options->title, index, parts);
   if (Status written = WriteFile(request.output / "index.html", page); !written) return Forward(written);
   StageOutcome outcome;
-  outcome.summary = {{"clips", data.clips()},
-                     {"parts", whole ? 0 : data.parts()},
-                     {"bytes", page.size()},
-                     {"without_motion", without},
-                     {"sources", index["sources"].size()}};
+  outcome.summary = {{"clips", data.clips()},        {"parts", whole ? 0 : data.parts()},
+                     {"bytes", page.size()},         {"without_motion", without},
+                     {"frames_without_cloud", lost}, {"sources", index["sources"].size()}};
   return outcome;
 }
 

@@ -199,7 +199,8 @@ std::vector<ViewedFinding> FindingsOf(const Clip& clip, const std::map<std::stri
     }
   };
   add(clip.id(), clip.motion->rate.hz(), 0.0);
-  if (RecordingOf(clip.id()) != clip.id()) add(RecordingOf(clip.id()), RecordedRate(clip).hz(), BeginInRecording(clip));
+  if (RecordingOf(clip.id()) != clip.id())
+    add(RecordingOf(clip.id()), RecordedRate(clip).hz(), clip.identity.begin_frame / RecordedRate(clip).hz());
   return viewed;
 }
 

@@ -16,10 +16,11 @@ constexpr int kPixels = 4;            // every fourth row and column of a depth 
 constexpr std::size_t kPoints = 300;  // of a frame
 
 /// Of each frame of a clip the sample of its recording nearest in time; -1 where it is more than half a frame away.
-std::vector<int> SamplesOf(const Clip& clip, const std::vector<double>& time_s) {
+std::vector<int> SamplesOf(const Clip& clip, const Clip& recorded, const std::vector<double>& time_s) {
   std::vector<int> samples(static_cast<std::size_t>(clip.motion->frame_count()), -1);
   if (time_s.empty()) return samples;
-  const double begin = time_s.front() + BeginInRecording(clip), half = 0.5 / RecordedRate(clip).hz() + 1e-6;
+  const double begin = EvidenceTimes(recorded.evidence).front() + BeginInRecording(clip) - BeginInRecording(recorded);
+  const double half = 0.5 / RecordedRate(clip).hz() + 1e-6;
   for (std::size_t f = 0; f < samples.size(); ++f) {
     const double time = begin + clip.motion->rate.FrameTime(static_cast<std::int64_t>(f));
     auto next = std::lower_bound(time_s.begin(), time_s.end(), time);
@@ -50,13 +51,14 @@ Expected<std::vector<Vector3d>> PointsOf(const CloudFiles& clouds, int sample, c
 
 }  // namespace
 
-JointTracks TracksOfClip(const Clip& clip, const JointTracks& recorded) {
+JointTracks TracksOfClip(const Clip& clip, const Clip& recording) {
+  const JointTracks& recorded = *recording.evidence.tracks;
   const int frames = clip.motion->frame_count(), points = recorded.positions.joints;
   JointTracks tracks;
   tracks.names = recorded.names;
   tracks.positions = JointPositions(frames, points);
   tracks.confidence.assign(static_cast<std::size_t>(frames) * points, 0.0);
-  const std::vector<int> samples = SamplesOf(clip, recorded.time_s);
+  const std::vector<int> samples = SamplesOf(clip, recording, recorded.time_s);
   for (int f = 0; f < frames; ++f) {
     const int sample = samples[static_cast<std::size_t>(f)];
     for (int k = 0; sample >= 0 && k < points; ++k) {
@@ -84,45 +86,53 @@ Expected<ClipEvidence> RecordedEvidence::Of(const Clip& clip) {
   if (recording != recording_) {
     auto recorded = ReadEvidence(file->second);
     if (!recorded) return Forward(recorded);
-    evidence_ = std::move(recorded->evidence);
+    recorded_ = std::move(*recorded);
     recording_ = recording;
-    ResolveDepthFiles(depth_, evidence_);
+    ResolveDepthFiles(depth_, recorded_.evidence);
   }
-  if (evidence_.tracks) seen.tracks = TracksOfClip(clip, *evidence_.tracks);
-  for (const DepthView& view : evidence_.depth_views) seen.cameras.push_back(view.camera);
-  for (const KeypointView& view : evidence_.keypoint_views) seen.cameras.push_back(view.camera);
+  const Evidence& evidence = recorded_.evidence;
+  if (evidence.tracks) seen.tracks = TracksOfClip(clip, recorded_);
+  for (const DepthView& view : evidence.depth_views) seen.cameras.push_back(view.camera);
+  for (const KeypointView& view : evidence.keypoint_views) seen.cameras.push_back(view.camera);
   for (Camera& camera : seen.cameras) {
     camera.camera_from_world = camera.camera_from_world * Inverse(clip.canonical_from_source);
   }
-  if (clouds_ && (evidence_.clouds || !evidence_.depth_views.empty())) {
-    if (Status added = AddClouds(clip, seen); !added) return Forward(added);
-  }
+  if (clouds_) AddClouds(clip, seen);
   return seen;
 }
 
-Status RecordedEvidence::AddClouds(const Clip& clip, ClipEvidence& seen) const {
-  const std::vector<int> samples = SamplesOf(clip, SurfaceTimes(evidence_));
-  seen.clouds.resize(samples.size());
-  for (std::size_t f = 0; f < samples.size(); ++f) {
-    if (samples[f] < 0) continue;
+void RecordedEvidence::AddClouds(const Clip& clip, ClipEvidence& seen) const {
+  std::vector<DepthView> views = recorded_.evidence.depth_views;
+  std::vector<std::vector<int>> samples;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    views[v].camera = seen.cameras[v];
+    samples.push_back(SamplesOf(clip, recorded_, views[v].time_s));
+  }
+  const auto& clouds = recorded_.evidence.clouds;
+  const std::vector<int> files = clouds ? SamplesOf(clip, recorded_, clouds->time_s) : std::vector<int>();
+  seen.clouds.resize(static_cast<std::size_t>(clip.motion->frame_count()));
+  bool any = false;
+  for (std::size_t f = 0; f < seen.clouds.size(); ++f) {
     const PosedBody body = BodyOf(clip, static_cast<int>(f));
     std::vector<Vector3d> all;
-    for (std::size_t v = 0; v < evidence_.depth_views.size(); ++v) {
-      DepthView view = evidence_.depth_views[v];
-      view.camera = seen.cameras[v];
-      const auto points = PointsNear(body, view, samples[f], kPixels, kReach);
-      if (!points) return Forward(points);
-      for (const NearPoint& point : *points) all.push_back(point.place);
+    bool whole = true;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (samples[v][f] < 0) continue;
+      const auto points = PointsNear(body, views[v], samples[v][f], kPixels, kReach);
+      whole = whole && points;
+      for (const NearPoint& point : points.value_or(std::vector<NearPoint>())) all.push_back(point.place);
     }
-    if (evidence_.clouds) {
-      const auto points = PointsOf(*evidence_.clouds, samples[f], clip.canonical_from_source, body);
-      if (!points) return Forward(points);
-      all.insert(all.end(), points->begin(), points->end());
+    if (clouds && files[f] >= 0) {
+      const auto points = PointsOf(*clouds, files[f], clip.canonical_from_source, body);
+      whole = whole && points;
+      if (points) all.insert(all.end(), points->begin(), points->end());
     }
+    if (!whole) ++seen.lost;
     const std::size_t kept = std::min(kPoints, all.size());
     for (std::size_t i = 0; i < kept; ++i) seen.clouds[f].push_back(all[i * all.size() / kept]);
+    any = any || kept > 0;
   }
-  return {};
+  if (!any) seen.clouds.clear();
 }
 
 }  // namespace mocurate

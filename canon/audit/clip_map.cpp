@@ -44,20 +44,19 @@ Eigen::MatrixXf PrincipalComponents(Eigen::MatrixXf columns) {
 
 ClipMap MapClips(const Dataset& dataset, std::size_t neighbours) {
   ClipMap map;
-  std::vector<Eigen::VectorXf> descriptors;
+  Eigen::MatrixXf columns;
   for (std::size_t row = 0; row < dataset.clips.size(); ++row) {
     const Clip& clip = dataset.clips[row];
     if (!clip.motion || clip.motion->frame_count() < 2) continue;
-    Eigen::VectorXf one = LabelDescriptor(*clip.motion);
+    const Eigen::VectorXf one = LabelDescriptor(*clip.motion);
     if (!one.allFinite()) continue;
+    if (columns.size() == 0) columns.resize(one.size(), static_cast<Eigen::Index>(dataset.clips.size() - row));
+    columns.col(static_cast<Eigen::Index>(map.rows.size())) = one;
     map.rows.push_back(static_cast<int>(row));
-    descriptors.push_back(std::move(one));
   }
   const auto count = static_cast<Eigen::Index>(map.rows.size());
   if (count < 3) return ClipMap();
-  Eigen::MatrixXf columns(descriptors.front().size(), count);
-  for (Eigen::Index i = 0; i < count; ++i) columns.col(i) = descriptors[static_cast<std::size_t>(i)];
-  descriptors.clear();
+  columns.conservativeResize(Eigen::NoChange, count);
   const Eigen::MatrixXf places = PrincipalComponents(std::move(columns));
   std::vector<int> all(map.rows.size());
   std::iota(all.begin(), all.end(), 0);

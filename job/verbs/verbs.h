@@ -146,6 +146,7 @@ struct ViewArguments {
   std::string source;                ///< source declaration of them, or empty
   std::vector<std::string> clips;    ///< ids or their ends; empty: all
   std::filesystem::path body;        ///< of a skin; empty: body_cc0.h5 where it is found
+  bool audit = false;                ///< a map of the clips, the nearest of each, and what an audit finds
   std::string title;
   std::filesystem::path output;       ///< .html; empty: a temporary page, which is opened
   bool force = false;                 ///< overwrite

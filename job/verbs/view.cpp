@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "canon/options.h"
+#include "canon/stages.h"
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
@@ -40,18 +42,17 @@ Expected<fs::path> MotionsOf(const fs::path& path) {
   return dataset;
 }
 
-/// Evidence of a run's recordings as inputs, where the cache still has it; `lost` counts those that it has not.
-std::vector<StageInput> EvidenceOfRun(const fs::path& run, const std::string& source, long long& lost) {
-  std::vector<StageInput> inputs;
+/// What a stage of a run made as inputs of that role, where the cache still has it; `lost` counts what it has not.
+void AddOfRun(const fs::path& run, const StageDeclaration& stage, const std::string& role, ItemSpec& item,
+              long long& lost) {
   const Cache cache(DefaultCacheFolder());
-  for (const auto& [item, entry] : JournalOf(run, IngestDeclaration().name)) {
+  for (const auto& [made, entry] : JournalOf(run, stage.name)) {
     const auto found = cache.Find(entry.value("key", ""));
     if (found && !found->artifact.empty())
-      inputs.push_back({"evidence of " + source, item, found->artifact, found->sha256});
+      item.inputs.push_back({role, made, found->artifact, found->sha256});
     else if (!found)
       ++lost;
   }
-  return inputs;
 }
 
 /// Opens a page where a desktop is, without waiting for the browser. False: there is none.
@@ -118,9 +119,20 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
     auto motions =
         MotionsInput(named.name, files, {}, "declare them with --source FILE (docs/adding_a_source.md)", **stages);
     if (!motions) return Forward(motions);
+    if (arguments.audit) {
+      StageInput audited = *motions;
+      audited.role = "dataset";
+      const auto audit =
+          (*stages)->One(AuditDeclaration(), {named.name, OptionsToJson(AuditOptions()), {std::move(audited)}});
+      if (!audit) return Forward(audit);
+      const std::string role = "audit of " + named.name;
+      item.inputs.push_back(InputFrom(role.c_str(), *audit));
+    }
     item.inputs.push_back(std::move(*motions));
     if (*path == named.path) continue;
-    for (StageInput& evidence : EvidenceOfRun(named.path, named.name, lost)) item.inputs.push_back(std::move(evidence));
+    AddOfRun(named.path, IngestDeclaration(), "evidence of " + named.name, item, lost);
+    AddOfRun(named.path, TruthDeclaration(), "truth of " + named.name, item, lost);
+    if (!arguments.audit) AddOfRun(named.path, AuditDeclaration(), "audit of " + named.name, item, lost);
   }
   if (const fs::path body = arguments.body.empty() ? PassableBody() : arguments.body; !body.empty()) {
     item.inputs.push_back({"body", body.filename().string(), body, ""});
@@ -134,10 +146,10 @@ Status ViewVerb(CommonArguments& common, const ViewArguments& arguments) {
   const bool opened = !kept && !common.json && OpenPage(page);
   nlohmann::json answer = made->summary;
   answer["page"] = DisplayPath(page);
-  answer["evidence_not_cached"] = lost;
+  answer["not_cached"] = lost;
   if (lost > 0) {
-    LogWarning("the cache no longer has the evidence of " + Counted(lost, "recording") +
-               ": it is not shown; run again");
+    LogWarning("the cache no longer has " + Counted(lost, "result") +
+               " of the run: its evidence, audit or truth is not shown; run again");
   }
   if (!AnswersInText(common, answer)) return {};
   Print("%s in %s%s\n", Counted(answer.at("clips").get<long long>(), "clip").c_str(), DisplayPath(page).c_str(),

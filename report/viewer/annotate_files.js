@@ -1,7 +1,7 @@
 'use strict';
 // Decodes texts of the annotation page and writes spans.csv.
 const annotateFiles = {
-  bytes: text => Uint8Array.from(atob(text), c => c.charCodeAt(0)),
+  bytes: text => new Uint8Array(mocurateParts.bytes(text)),
   // Of spans {clip, begin_s, end_s, label, fine_label or none}, in the order of clips and time.
   csv(spans) {
     const order = (a, b) => a < b ? -1 : a > b ? 1 : 0;

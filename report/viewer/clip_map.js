@@ -10,7 +10,7 @@ const mocurateClipMap = (() => {
     const size = () => [canvas.clientWidth || 270, canvas.clientHeight || 240];
     const layout = () => {
       const [width, height] = size(), all = clips.map(clip => clip.map);
-      const low = [0, 1].map(i => Math.min(...all.map(p => p[i]))), high = [0, 1].map(i => Math.max(...all.map(p => p[i])));
+      const ends = of => [0, 1].map(i => all.reduce((most, p) => of(most, p[i]), all[0][i])), low = ends(Math.min), high = ends(Math.max);
       const scale = [0, 1].map(i => ([width, height][i] - 2 * EDGE) / (high[i] - low[i] || 1));
       places = all.map(p => [EDGE + scale[0] * (p[0] - low[0]), height - EDGE - scale[1] * (p[1] - low[1])]);
     };
@@ -56,6 +56,7 @@ const mocurateClipMap = (() => {
     const nearest = (x, y, most) => {
       let best = -1, least = most;
       places.forEach((p, i) => {
+        if (!matching.has(clips[i])) return;
         const far = Math.hypot(p[0] - x, p[1] - y);
         if (far < least) { least = far; best = i; }
       });
@@ -72,12 +73,14 @@ const mocurateClipMap = (() => {
     });
     canvas.addEventListener('keydown', e => {
       const way = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[e.key];
-      if (!way || e.shiftKey || !clips.includes(marked)) return;
+      if (!way || e.shiftKey || clips.length === 0) return;
       e.preventDefault();
       e.stopPropagation();
+      if (!clips.includes(marked)) { open(clips[0]); return; }
       const from = places[clips.indexOf(marked)];
       let best = -1, least = Infinity;
       places.forEach((p, i) => {  // the next one in a quarter of the plane
+        if (!matching.has(clips[i])) return;
         const along = (p[0] - from[0]) * way[0] + (p[1] - from[1]) * way[1];
         const across = Math.abs((p[0] - from[0]) * way[1]) + Math.abs((p[1] - from[1]) * way[0]);
         if (along > 0.5 && across <= along && along + across < least) { least = along + across; best = i; }

@@ -38,12 +38,18 @@ const mocurateParts = (() => {
     const key = (index.beside ? index.beside.set : '') + '/' + part;
     if (decoded.has(key)) return Promise.resolve(keep(key, decoded.get(key)));
     if (!index.beside) {
+      const earlier = waiting.get(key);
+      if (earlier) return earlier.promise;
       const inline = () => document.getElementById('mocurate-part-' + part);
       const loaded = document.readyState !== 'loading' || inline() && inline().nextElementSibling ? Promise.resolve() :
         new Promise(resolve => document.addEventListener('DOMContentLoaded', resolve));
-      return loaded.then(() => keep(key, bytesOf(inline().textContent))).catch(() => {
+      const promise = loaded.then(() => keep(key, bytesOf(inline().textContent))).catch(() => {
         throw new Error('part ' + part + ' of this page is missing or damaged: write the page again.');
       });
+      waiting.set(key, {promise, reject: () => {}});
+      const over = () => waiting.delete(key);
+      promise.then(over, over);
+      return promise;
     }
     const file = index.beside.folder + '/part_' + String(part).padStart(4, '0') + '.js';
     const earlier = waiting.get(key);
@@ -63,7 +69,7 @@ const mocurateParts = (() => {
     document.head.appendChild(script);
     return asked.promise;
   };
-  return {SCHEMA, take, read, sentence};
+  return {SCHEMA, take, read, sentence, bytes: bytesOf};
 })();
 
 // A clip of the index with its frames: F frames, J joints, K tracked points.

@@ -78,11 +78,7 @@ const mocurateFigures = (() => {
     return shapes.length > 0 ? ofCapsules(shapes) : bones(skeleton);
   };
 
-  const numbers = (type, text) => {
-    const binary = atob(text), bytes = new Uint8Array(binary.length);
-    for (let i = 0; i < binary.length; ++i) bytes[i] = binary.charCodeAt(i);
-    return new type(bytes.buffer);
-  };
+  const numbers = (type, text) => new type(mocurateParts.bytes(text));
 
   /// A skinned body (linear blend skinning, four weights a vertex) that moves by the rotations alone.
   const skin = (skeleton, data, clip) => {

@@ -13,8 +13,8 @@ const mocuratePlayer = (() => {
     let low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (const row of clip.joints) row.forEach((v, i) => {
       const from = clip.follow && i % 3 !== 1 ? v - row[i % 3] : v;
-      low[i % 3] = Math.min(low[i % 3], from);
-      high[i % 3] = Math.max(high[i % 3], from);
+      if (from < low[i % 3]) low[i % 3] = from;  // a missing joint has none
+      if (from > high[i % 3]) high[i % 3] = from;
     });
     if (!isFinite(low[0])) return {centre: [0, 0, 0], radius: 1000, floor: 0};
     const centre = low.map((v, i) => (v + high[i]) / 2);

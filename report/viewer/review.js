@@ -20,13 +20,14 @@ const theViewer = (() => {
   const plural = (count, noun) => count + ' ' + noun + (count === 1 ? '' : 's');
   const clips = [], about = new Map();  // elements, and what they show: {clip, card, other}
   const clipElement = (clip, card) => {
-    const choice = make('select', {'aria-label': 'New class'}, ...review.labels.map(label => make('option', {}, label)));
-    choice.value = card.suggested || clip.label;
+    const choice = make('select', {'aria-label': 'New class'}, make('option', {value: ''}, 'choose a class'),
+      ...review.labels.map(label => make('option', {}, label)));
+    choice.value = [card.suggested, clip.label].find(label => review.labels.includes(label)) || '';
     const strip = make('div', {});
     strip.innerHTML = clip.strip;
     const element = make('div', {class: 'decided', 'data-clip': clip.id}, make('h3', {}, clip.id), make('p', {class: 'soft'},
-      'labelled ' + clip.label + ', ' + plural(clip.frames, 'frame') + ' at ' + Math.round(1000 * clip.hz) / 1000 + ' Hz' +
-      (clip.person ? ', person ' + clip.person : '')), strip, make('div', {class: 'verdicts'}, verdict('keep', 'k'),
+      (clip.label ? 'labelled ' + clip.label : 'without a label') + ', ' + plural(clip.frames, 'frame') + ' at ' + Math.round(1000 * clip.hz) / 1000 + ' Hz' +
+      (clip.shown_hz ? ', shown at ' + Math.round(10 * clip.shown_hz) / 10 + ' Hz' : '') + (clip.person ? ', person ' + clip.person : '')), strip, make('div', {class: 'verdicts'}, verdict('keep', 'k'),
       verdict('drop', 'd'), verdict('relabel', 'r'), choice, verdict('cut', 'c'), number('begin', 0, clip.frames),
       number('end', clip.frames, clip.frames), make('span', {class: 'said', 'aria-live': 'polite'})));
     const other = card.clips.find(one => one.id !== clip.id);
@@ -81,6 +82,7 @@ const theViewer = (() => {
     const {clip: {id, content, frames}, card, other} = about.get(clip);
     const d = {clip: id, content, finding: card.code, other, decision};
     if (decision === 'relabel') d.label = clip.querySelector('select').value;
+    if (d.label === '') return say(clip, 'choose a class first');
     if (decision === 'cut') {
       d.begin = Number(clip.querySelector('.begin').value);
       d.end = Number(clip.querySelector('.end').value);
@@ -123,7 +125,7 @@ const theViewer = (() => {
     pageTools.forget(store);
   };
   clips.forEach((clip, i) => {
-    clip.addEventListener('pointerdown', () => {
+    for (const type of ['pointerdown', 'focusin']) clip.addEventListener(type, () => {
       here = i;
       clips.forEach((c, k) => c.classList.toggle('here', k === i));
       look();

@@ -72,13 +72,14 @@ const mocurateStages = (() => {
     };
     const drawLines = (key, line) => {
       let object = lines.get(key);
-      if (object && object.geometry.getAttribute('position').array.length !== line.places.length) {
+      const room = object ? object.geometry.getAttribute('position').array.length : 0;
+      if (object && (line.dots ? room < line.places.length : room !== line.places.length)) {
         drop(lines, key);
         object = null;
       }
       if (!object) {
         const geometry = new THREE.BufferGeometry();
-        geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(line.places.length), 3));
+        geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(line.dots ? Math.max(900, line.places.length) : line.places.length), 3));
         object = line.dots ? new THREE.Points(geometry, new THREE.PointsMaterial({size: line.dots, sizeAttenuation: true, depthTest: false, transparent: true})) :
           new THREE[line.strip ? 'Line' : 'LineSegments'](geometry, new THREE.LineBasicMaterial());
         object.frustumCulled = false;
@@ -89,6 +90,7 @@ const mocurateStages = (() => {
         const attribute = object.geometry.getAttribute('position');
         attribute.array.set(line.places);
         attribute.needsUpdate = true;
+        object.geometry.setDrawRange(0, line.places.length / 3);
         object.places = line.places;
       }
       object.position.set(...line.shift);

@@ -29,7 +29,7 @@ const mocurateViewer = (() => {
   /// [{key, samples, clips}]. Of several clips of a source one is shown, clips(sample): [by source, or null].
   const groupsOf = index => {
     const groups = new Map(), each = index.sources.map((s, i) => index.clips.filter(clip => clip.source === i).length);
-    const alone = index.sources.length > 1 && each.every(count => count === 1);
+    const alone = index.sources.length > 1 && each.every(count => count === 1) && index.clips.every(clip => !clip.group);
     for (const clip of index.clips) {
       const key = alone ? 'all' : keyOf(clip);
       const taken = !clip.group && groups.has(key) && groups.get(key)[clip.source].length > 0;
@@ -106,11 +106,11 @@ const mocurateViewer = (() => {
       ...(typeof MediaRecorder === 'undefined' || !canvas.captureStream || !MediaRecorder.isTypeSupported('video/webm') ? [] :
         [button('Video', () => record(), {'data-do': 'video', title: 'save the motion once as WebM'})]),
       button('Link', () => copyLink(), {'data-do': 'link', title: 'address of this clip and time'}),
-      button('Keys', () => { keys.open = !keys.open; }, {'data-do': 'keys', title: 'key ?'}));
+      button('Keys', () => { keys.open = !keys.open; }, {'data-do': 'keys'}));
     const keys = make('details', {class: 'keys'}, make('summary', {}, 'Keys'), make('p', {}, 'space: play · ← →: a frame, with ' +
       'shift: turn · Home, End: first and last frame · 1 to 5: views, 0: whole motion · + −: speed' + (index.embedded === 'beside' ? '' :
-      ' · n, b: next and previous clip · g: figure · c: colours · o: side by side or overlaid · a: alignment · p: path · t: tracked ' +
-      'points · v: cameras · d: clouds · f: follow · l: loop · i u: nearer, farther · /: search')));
+      ' · g: figure · c: colours · o: side by side or overlaid · a: alignment · p: path · t: tracked points · v: cameras · d: clouds · ' +
+      'f: follow · l: loop · i u: nearer, farther') + (index.page ? ' · n, b: next and previous clip · /: search' : '')));
 
     // The list.
     const search = make('input', {type: 'search', placeholder: 'Search clips', 'aria-label': 'Search clips', oninput: () => list()});
@@ -140,6 +140,12 @@ const mocurateViewer = (() => {
     const mapColour = make('select', {'aria-label': 'Colours of the map', 'data-option': 'map', onchange: e => map.colour(e.target.value)},
       ...field.map(([name]) => make('option', {value: name}, 'Map by ' + name.toLowerCase())));
     const mapBox = map && make('details', {class: 'map', open: true, ontoggle: () => map.draw()}, make('summary', {}, 'Map of clips'), mapCanvas, mapLegend, mapColour);
+    // Places of different sources are not comparable: the map is that of the shown clip's.
+    const remap = () => {
+      const clip = state.group && state.group.clips(state.sample).find(other => other && other.map);
+      const source = clip ? clip.source : mapped.length > 0 ? mapped[0].source : 0;
+      if (map) map.show(mapped.filter(other => other.source === source), matching.flatMap(group => group.all));
+    };
     const count = make('p', {class: 'count'}), entries = make('ul', {class: 'clips'});
     let matching = groups;
     const list = () => {
@@ -159,7 +165,7 @@ const mocurateViewer = (() => {
             group.residual > 0 ? group.residual.toFixed(0) + ' mm' : ''].filter(t => t).join(' · ') + ' ',
           ...(worst ? [make('span', {class: 'flag ' + worst}, findings.length + (findings.length === 1 ? ' finding' : ' findings'))] : []))));
       }));
-      if (map) map.show(mapped, matching.flatMap(group => group.all));
+      remap();
       count.textContent = matching.length === groups.length ? groups.length + (groups.length === 1 ? ' clip' : ' clips') :
         matching.length + ' of ' + groups.length + ' clips';
       if (matching.length > MOST_LISTED) count.textContent += '; the first ' + MOST_LISTED + ' are listed: search for others';
@@ -244,7 +250,7 @@ const mocurateViewer = (() => {
             places: ends.flatMap(end => corners.slice(3 * end, 3 * end + 3))});
         });
         if (state.clouds && motion.hasClouds) {
-          lines.push({key: 'cloud' + entry.source, dots: 0.015, places: motion.cloud(frame), shift, colour: style('--good')});
+          lines.push({key: 'cloud' + entry.source, dots: 0.022, places: motion.cloud(frame), shift, colour: style('--suspect')});
         }
         if (state.points && motion.hasPoints) {
           motion.points(frame, entry.points);
@@ -324,6 +330,7 @@ const mocurateViewer = (() => {
         .then(buffer => enter(mocurateClip(clip, index.skeletons[clip.skeleton], buffer), clip.source)))).then(shown => {
         if (now !== asked) return;  // another clip was chosen meanwhile
         state.shown = shown;
+        if (!many()) state.hidden.clear();
         length = Math.max(...shown.map(entry => (entry.motion.clip.frames - 1) / entry.motion.clip.hz));
         slider.max = String(lead().motion.clip.frames - 1);
         describe(group);
@@ -342,6 +349,9 @@ const mocurateViewer = (() => {
       }).catch(problem => {
           if (now !== asked) return;
           state.shown = [];
+          length = 0;
+          slider.max = '0';
+          timeline.show([]);
           describe(group);
           place();
           show(0);
@@ -361,11 +371,12 @@ const mocurateViewer = (() => {
       const findings = group.clips(state.sample).flatMap(other => other ? other.findings.map(f => [f, index.sources[other.source].name]) : []);
       found.replaceChildren(...findings.map(([f, source]) => make('li', {class: f.severity}, button(f.code, () => { play(false); show(f.begin_s); },
         {title: 'go to its first frame'}), ' ' + (many() ? source + ': ' : '') + f.text)));
-      const nearest = (clip.nearest || []).map(id => index.clips.find(other => other.id === id)).filter(other => other);
+      const nearest = (clip.nearest || []).map(id => index.clips.find(other => other.id === id && other.source === clip.source)).filter(other => other);
       near.hidden = nearest.length === 0;
       near.replaceChildren('Nearest: ', ...nearest.map(other => button(keyOf(other) + (other.label ? ' (' + other.label + ')' : ''),
         () => choose(other), {class: other.label === clip.label ? 'like' : 'unlike'})));
-      if (map) map.mark(clip);
+      remap();
+      if (map) map.mark(group.clips(state.sample).find(other => other && other.map));
       names.replaceChildren(...(many() ? group.clips(state.sample).map((other, i) => other && make('label', {}, make('input', {type: 'checkbox',
         checked: !state.hidden.has(i), 'data-source': index.sources[i].name, onchange: e => {
           if (e.target.checked) state.hidden.delete(i); else state.hidden.add(i);
@@ -462,10 +473,11 @@ const mocurateViewer = (() => {
     };
     const frames = by => { play(false); show((Math.round(state.time * rate()) + by) / rate()); remember(); };
     const actions = {' ': () => play(!state.playing), ArrowLeft: () => frames(-1), ArrowRight: () => frames(1), Home: () => frames(-1e9),
-      End: () => frames(1e9), n: () => neighbour(1), b: () => neighbour(-1), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
+      End: () => frames(1e9), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
       o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'), d: () => flip('clouds'),
       l: () => { state.loop = !state.loop; say(state.loop ? 'The motion repeats.' : 'The motion ends.'); },
-      '+': () => faster(1), '-': () => faster(-1), i: () => { zoom(0.9); show(state.time); }, u: () => { zoom(1.1); show(state.time); }, '/': () => search.focus(), '?': () => { keys.open = !keys.open; }};
+      '+': () => faster(1), '-': () => faster(-1), i: () => { zoom(0.9); show(state.time); }, u: () => { zoom(1.1); show(state.time); }, '?': () => { keys.open = !keys.open; }};
+    if (index.page) Object.assign(actions, {n: () => neighbour(1), b: () => neighbour(-1), '/': () => search.focus()});
     VIEWS.forEach(([, yaw, pitch], i) => { actions[i + 1] = () => lookFrom(yaw, pitch); });
     const faster = by => {
       speed.selectedIndex = Math.max(0, Math.min(SPEEDS.length - 1, speed.selectedIndex + by));
@@ -515,7 +527,7 @@ const mocurateViewer = (() => {
     if (index.page) window.addEventListener('hashchange', wanted);
     if (groups.length === 0) say('There is no motion to show: the files hold no clip with a motion.');
     else if (!(index.page && wanted())) select(matching[0], 0);
-    return {open: (key, t) => select(groups.find(group => group.key === key), t || 0), select: (id, t) => { const [group, sample] = holding(id); return group ? select(group, t || 0, '', sample) : null; },
+    return {open: (key, t) => { const group = groups.find(g => g.key === key); return group ? select(group, t || 0) : null; }, select: (id, t) => { const [group, sample] = holding(id); return group ? select(group, t || 0, '', sample) : null; },
       seek: show, state, camera};
   };
 })();

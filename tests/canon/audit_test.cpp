@@ -1,7 +1,9 @@
 // Audit findings of a set with known errors: labels, repeated clips, frozen and exchanged limbs.
 
 #include <gtest/gtest.h>
+
 #include <unistd.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -246,6 +248,48 @@ TEST(AuditOfSets, ClassesThatAreTestedAndNotTrainedAndNamesThatDifferInCaseAreRe
   EXPECT_EQ(CountOf(shared, "split_leak", ""), 4u) << "P0 has a clip of one class only";
 }
 
+TEST(AuditMap, ClipsOfAClassAreNearAndPlacesAreThoseOfTheExactComponents) {
+  Dataset dataset = WavingSet();
+  const ClipMap map = MapClips(dataset, 4);
+  ASSERT_EQ(map.rows.size(), dataset.clips.size());
+  int alike = 0;
+  Eigen::MatrixXd columns(LabelDescriptor(*dataset.clips[0].motion).size(), static_cast<Eigen::Index>(map.rows.size()));
+  for (std::size_t i = 0; i < map.rows.size(); ++i) {
+    ASSERT_EQ(map.nearest[i].size(), 4u);
+    for (const int near : map.nearest[i]) {
+      EXPECT_NE(near, map.rows[i]);
+      alike += dataset.clips[static_cast<std::size_t>(near)].label == dataset.clips[i].label ? 1 : 0;
+    }
+    columns.col(static_cast<Eigen::Index>(i)) = LabelDescriptor(*dataset.clips[i].motion).cast<double>();
+  }
+  EXPECT_GT(alike, 0.9 * 4.0 * static_cast<double>(map.rows.size()));
+  columns.colwise() -= columns.rowwise().mean().eval();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> exact(columns.transpose() * columns);
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Index last = exact.eigenvalues().size() - 1 - k;
+    const Eigen::VectorXd own = exact.eigenvectors().col(last) * std::sqrt(exact.eigenvalues()[last]);
+    Eigen::VectorXd found(own.size());
+    for (Eigen::Index i = 0; i < own.size(); ++i) found[i] = map.places[static_cast<std::size_t>(i)][k];
+    EXPECT_LT(std::min((found - own).norm(), (found + own).norm()), 1e-3 * own.norm()) << k;
+  }
+  Clip copy = dataset.clips[7];
+  copy.identity.person = "p9";
+  dataset.clips.push_back(copy);
+  EXPECT_EQ(MapClips(dataset, 1).nearest.back(), std::vector<int>{7});
+}
+
+TEST(AuditMap, WhatCannotBePlacedIsLeftOut) {
+  Dataset dataset = WavingSet();
+  dataset.clips.resize(2);
+  EXPECT_TRUE(MapClips(dataset, 4).rows.empty());
+  dataset.clips.resize(4, dataset.clips.front());  // three are alike
+  dataset.clips[1].motion->joints.at(1, 1).x() = std::nan("");
+  const ClipMap map = MapClips(dataset, 4);
+  EXPECT_EQ(map.rows, (std::vector<int>{0, 2, 3}));
+  for (const Eigen::Vector2f& place : map.places) EXPECT_LT(place.norm(), 1e-3F);
+  for (const std::vector<int>& nearest : map.nearest) EXPECT_EQ(nearest.size(), 2u);
+}
+
 TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {
   Dataset dataset = WavingSet();
   const std::string wrong = dataset.clips[2].id();
@@ -275,12 +319,15 @@ TEST(AuditStage, ErrorsStandFirstAndEveryFindingHasItsFields) {
   EXPECT_EQ(audit.at("findings")[0].at("severity"), "error");
   bool label = false;
   for (const nlohmann::json& finding : audit.at("findings")) {
-    for (const char* key : {"clip", "code", "severity", "frame_begin", "frame_end", "value", "suggested", "message"}) {
-      EXPECT_TRUE(finding.contains(key)) << key;
-    }
+    for (const char* key : {"suggested", "safe_to_drop", "parts"}) EXPECT_TRUE(finding.contains(key)) << key;
+    EXPECT_EQ(finding.get<Finding>().code, finding.at("code")) << "the fields of every finding";
     label = label || (finding.at("code") == "label_suspect" && finding.at("clip") == wrong);
   }
   EXPECT_TRUE(label);
+  for (const nlohmann::json& line : audit.at("clips")) {
+    EXPECT_TRUE(line.at("map_x").is_number());
+    EXPECT_EQ(line.at("nearest").size(), 4u);
+  }
   EXPECT_EQ(audit.at("summary").at("labels").at("checked"), dataset.clips.size());
   dataset.axes = *AxisConvention::Parse("+x -z +y");
   ASSERT_TRUE(WriteDataset(dataset, folder / "set.h5"));

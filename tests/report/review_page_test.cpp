@@ -62,7 +62,7 @@ struct SmallReview {
   }
 
   /// The decisions after keys were pressed, as the page would save them.
-  Expected<Review> Press(const std::vector<std::string>& keys) {
+  Expected<Review> Press(const std::vector<std::string>& keys, int clips = 3) {
     std::string page = *ReadFile(folder / "index.html");
     const std::string script =
         "<script>window.addEventListener('load', () => { for (const key of " + nlohmann::json(keys).dump() +
@@ -72,7 +72,7 @@ struct SmallReview {
     EXPECT_EQ(Browse(folder, "--disable-3d-apis --virtual-time-budget=2000 --dump-dom"), 0);
     EXPECT_THAT(ReadFile(folder / "log.txt").value_or(""), Not(HasSubstr("CONSOLE")));
     const std::string document = *ReadFile(folder / "dom.html");
-    EXPECT_THAT(document, HasSubstr("data-review=\"3\""));
+    EXPECT_THAT(document, HasSubstr("data-review=\"" + std::to_string(clips) + "\""));
     EXPECT_THAT(document, HasSubstr("data-stage=\"canvas\"")) << "the viewer, here without WebGL";
     std::smatch yaml;
     EXPECT_TRUE(std::regex_search(document, yaml, std::regex("<textarea[^>]*>([^<]*)</textarea>")));
@@ -112,6 +112,18 @@ TEST(ReviewInABrowser, KeysDecideAndCanonReadsWhatIsSaved) {
   const auto applied = ApplyReview(*review, set.dataset);
   ASSERT_TRUE(applied) << applied.error().Message();
   EXPECT_EQ(set.dataset.clips.size(), 2u);
+}
+
+TEST(ReviewInABrowser, APairAloneIsShownAndNoClassIsNoLabel) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is missing";
+  SmallReview set;
+  set.audit["findings"].erase(0);
+  set.dataset.clips[1].label = "";
+  ASSERT_TRUE(set.Make());
+  const auto review = set.Press({"r", "j", "d"}, 2);
+  ASSERT_TRUE(review) << review.error().Message();
+  ASSERT_EQ(review->decisions.size(), 1u) << "a clip without a class is not relabelled before one is chosen";
+  EXPECT_EQ(review->decisions[0].clip, set.dataset.clips[2].id());
 }
 
 TEST(ReviewPage, AuditsOfOtherDatasetsAreRefusedAndTheSameInputGivesTheSameBytes) {

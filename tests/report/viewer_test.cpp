@@ -10,6 +10,7 @@
 
 #include "core/base/pi.h"
 #include "report/html.h"
+#include "report/posed_body.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
 #include "tests/support/folders.h"
@@ -64,17 +65,24 @@ TEST(ViewerData, AMotionComesBackWithinItsSteps) {
       return Status();
     });
     const Clip clip = ClipOf("a", "r", motion);
-    ASSERT_TRUE(data.Add(data.AddSource("a"), {clip}));
+    ViewedClip viewed{clip};
+    viewed.clouds.resize(static_cast<std::size_t>(frames));
+    for (int f = 0; f < frames; f += 2) viewed.clouds[f].assign(3, motion.joints.at(f, 0) + Vector3d(0.1, -0.2, 0.3));
+    ASSERT_TRUE(data.Add(data.AddSource("a"), viewed));
     ASSERT_TRUE(data.Finish());
     const nlohmann::json index = data.Index(), &entry = index["clips"][0];
-    EXPECT_EQ(entry["has"], (nlohmann::json{"rotations", "state", "sigma", "contact"}));
+    EXPECT_EQ(entry["has"], (nlohmann::json{"rotations", "state", "sigma", "contact", "clouds"}));
     std::size_t at = 0;
     const auto cells = static_cast<std::size_t>(frames) * joints;
     const auto root = Next<float>(bytes, at, 3 * static_cast<std::size_t>(frames));
     const auto places = Next<std::int16_t>(bytes, at, 3 * cells), turns = Next<std::int16_t>(bytes, at, 3 * cells);
     const auto states = Next<std::uint8_t>(bytes, at, cells), sigmas = Next<std::uint8_t>(bytes, at, cells);
     const auto contacts = Next<std::uint8_t>(bytes, at, static_cast<std::size_t>(frames));
+    const auto sizes = Next<std::uint16_t>(bytes, at, static_cast<std::size_t>(frames));
+    const auto measured = Next<std::int16_t>(bytes, at, 9 * static_cast<std::size_t>((frames + 1) / 2));
     EXPECT_EQ(at, bytes.size());
+    for (int f = 0; f < frames; ++f) EXPECT_EQ(sizes[f], f % 2 == 0 ? 3 : 0);
+    EXPECT_NEAR(measured[measured.size() - 2], -2000, 1);
     const double step = 1e-4 * entry["unit"].get<int>();
     EXPECT_LE(step, 1e-4) << "a person is within 3.2 m of the root";
     for (int f = 0; f < frames; ++f) {
@@ -140,12 +148,29 @@ TEST(ViewerData, TracksOfARecordingAreBroughtToTheFramesAndTheWorldOfAClip) {
   clip.motion->rate = clip.rate = FrameRate{15, 1};
   clip.provenance[kRecordedRate] = "30";
   clip.canonical_from_source = {ExpQuaternion(Vector3d(0.0, kPi / 2.0, 0.0)), Vector3d(0.0, 0.0, 4.0)};
-  const JointTracks tracks = TracksOfClip(clip, recorded);
-  ASSERT_EQ(tracks.positions.frames, 10);
-  for (int f = 0; f < 10; ++f) {
-    EXPECT_EQ(tracks.confidence[f], f == 2 ? 0.0 : 0.5) << "sample 64 is missing";
-    if (f == 2) continue;
-    EXPECT_LT((tracks.positions.at(f, 0) - Vector3d(0.0, 1.0, 4.0 - (60 + 2 * f) / 30.0)).norm(), 1e-9);
+  Clip recording = ClipOf("a", "r", Stepping(Walker(), 90));
+  recording.motion.reset();
+  recording.evidence.tracks = recorded;
+  Clip cut = recording;  // without its first twelve frames, times from 0 on
+  cut.identity.begin_frame = 12;
+  JointTracks& left = *cut.evidence.tracks;
+  left.time_s.erase(left.time_s.begin(), left.time_s.begin() + 12);
+  for (double& time : left.time_s) time -= 5.4;
+  left.positions = JointPositions(77, 1);
+  for (int i = 0; i < 77; ++i) left.positions.at(i, 0) = recorded.positions.at(i + 12, 0);
+  left.confidence.resize(77);
+  Clip opened = clip;  // of a recording whose first frames are not in the file
+  opened.provenance["first_frame"] = "30";
+  Clip late = recording;
+  late.provenance["first_frame"] = "30";
+  for (const auto& [of, from] : {std::pair(&clip, &recording), {&clip, &cut}, {&opened, &late}}) {
+    const JointTracks tracks = TracksOfClip(*of, *from);
+    ASSERT_EQ(tracks.positions.frames, 10);
+    for (int f = 0; f < 10; ++f) {
+      EXPECT_EQ(tracks.confidence[f], f == 2 ? 0.0 : 0.5) << "sample 64 is missing";
+      if (f == 2) continue;
+      EXPECT_LT((tracks.positions.at(f, 0) - Vector3d(0.0, 1.0, 4.0 - (60 + 2 * f) / 30.0)).norm(), 1e-9);
+    }
   }
 }
 
@@ -177,6 +202,7 @@ struct Viewed {
   ViewerOptions options;
   std::vector<Dataset> sets = std::vector<Dataset>(2);
   bool with_evidence = false;
+  bool with_audit = false;
 
   Viewed() {
     for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -205,6 +231,7 @@ struct Viewed {
       request.inputs.push_back({"motions", name + " <u>", folder / (name + ".h5"), ""});
     }
     if (with_evidence) request.inputs.push_back(EvidenceOfFirst());
+    if (with_audit) request.inputs.push_back(AuditOfFirst());
     return ViewStage(request);
   }
 
@@ -219,6 +246,28 @@ struct Viewed {
     recorded.motion.reset();
     EXPECT_TRUE(WriteEvidence(recorded, folder / "evidence.h5"));
     return {"evidence of set0 <u>", RecordingOf(sets[0].clips[0].id()), folder / "evidence.h5", ""};
+  }
+
+  /// An audit of the first set: its clips on a line, the first and the last near each other, a finding about the last.
+  StageInput AuditOfFirst() const {
+    nlohmann::json audit = {{"clips", nlohmann::json::array()}, {"findings", nlohmann::json::array()}};
+    const std::vector<Clip>& clips = sets[0].clips;
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      audit["clips"].push_back({{"clip", clips[i].id()}, {"map_x", 0.1 * static_cast<double>(i)}, {"map_y", 0.0}});
+      audit["clips"].back()["nearest"] = nlohmann::json::array({clips[clips.size() - 1 - i].id()});
+    }
+    Finding found = FindingOfFrames("outlier", 3, 9, 1.0, "unlike its class", FindingAction::kFlagged);
+    found.clip = clips.back().id();
+    audit["findings"].push_back(found);
+    EXPECT_TRUE(WriteFile(folder / "audit.json", audit.dump()));
+    return {"audit of set0 <u>", "audit", folder / "audit.json", ""};
+  }
+
+  /// The index of the page.
+  nlohmann::json Index() const {
+    const std::string page = Html(), begin = "id=\"viewer-index\">";
+    const std::size_t at = page.find(begin) + begin.size();
+    return nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
   }
 
   /// What tests/report/drive_viewer.py saw.
@@ -264,9 +313,7 @@ TEST(Viewer, EvidenceOfARunStandsBesideItsMotion) {
   viewed.with_evidence = true;
   const auto made = viewed.Make();
   ASSERT_TRUE(made) << made.error().Message();
-  const std::string page = viewed.Html(), begin = "id=\"viewer-index\">";
-  const std::size_t at = page.find(begin) + begin.size();
-  const nlohmann::json index = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+  const nlohmann::json index = viewed.Index();
   const nlohmann::json& first = index["clips"][0];
   EXPECT_EQ(first["points"]["joints"].size(), first["points"]["names"].size());
   EXPECT_EQ(first["cameras"].size(), 1U);
@@ -274,10 +321,50 @@ TEST(Viewer, EvidenceOfARunStandsBesideItsMotion) {
   EXPECT_FALSE(index["clips"][1].contains("points"));
 }
 
+TEST(Viewer, AnAuditGivesTheMapTheNearestClipsAndFindings) {
+  Viewed viewed;
+  viewed.with_audit = true;
+  ASSERT_TRUE(viewed.Make());
+  const nlohmann::json index = viewed.Index(), &first = index["clips"][0], &last = index["clips"][2];
+  EXPECT_EQ(first["map"], (nlohmann::json{0.0, 0.0}));
+  EXPECT_EQ(first["nearest"], nlohmann::json::array({last["id"]}));
+  EXPECT_EQ(last["findings"].back()["code"], "outlier");
+  EXPECT_NEAR(last["findings"].back()["begin_s"], 0.1, 1e-9);
+  EXPECT_FALSE(index["clips"][3].contains("map")) << "of a set without an audit";
+}
+
+TEST(Viewer, CloudsAreMeasuredPointsNearTheBodyAndAnUnreadableImageLosesItsFrames) {
+  SmallRun run;
+  const Clip fitted = ReadDataset(run.folder / "fit_c.h5")->clips.front();
+  StageRequest request;
+  request.inputs = {{"evidence of set", RecordingOf(fitted.id()), run.folder / "evidence_c.h5", ""},
+                    {"depth of set", "depth/c.png", run.folder / "depth.png", ""}};
+  EXPECT_TRUE(RecordedEvidence(request, "set", false).Of(fitted)->clouds.empty()) << "not asked for";
+  const auto seen = RecordedEvidence(request, "set", true).Of(fitted);
+  ASSERT_TRUE(seen) << seen.error().Message();
+  EXPECT_EQ(seen->lost, 0U);
+  ASSERT_EQ(seen->clouds.size(), static_cast<std::size_t>(fitted.motion->frame_count()));
+  std::size_t points = 0;
+  for (std::size_t f = 0; f < seen->clouds.size(); ++f) {
+    const PosedBody body = BodyOf(fitted, static_cast<int>(f));
+    for (const Vector3d& place : seen->clouds[f]) {
+      EXPECT_LT(ClosestOnBody(body.capsules, body.points.data(), place)->on_capsule.distance, 0.3);
+      ++points;
+    }
+  }
+  EXPECT_GT(points, 10U * seen->clouds.size());
+  EXPECT_LE(points, 300U * seen->clouds.size());
+  ASSERT_TRUE(WriteFile(run.folder / "depth.png", "no picture"));
+  const auto unreadable = RecordedEvidence(request, "set", true).Of(fitted);
+  ASSERT_TRUE(unreadable) << unreadable.error().Message();
+  EXPECT_EQ(unreadable->lost, seen->clouds.size());
+  EXPECT_TRUE(unreadable->clouds.empty());
+}
+
 TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   if (!HasDrivenBrowser()) GTEST_SKIP() << "chromium, its driver or selenium is missing";
   Viewed viewed;
-  viewed.with_evidence = true;
+  viewed.with_evidence = viewed.with_audit = true;
   ASSERT_TRUE(viewed.Make());
   const nlohmann::json seen = viewed.Drive("whole");
   ASSERT_TRUE(seen.is_object());
@@ -303,6 +390,10 @@ TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   EXPECT_GT(seen["beside"][1], seen["beside"][0]);
   EXPECT_EQ(seen["over"], (nlohmann::json{0, 0}));
   EXPECT_EQ(seen["hidden"], 1);
+  EXPECT_EQ(seen["mapped"], "raw/p1/r2#0-60") << "the dot at the right edge";
+  EXPECT_EQ(seen["nearest"], "raw/p1/r0#0-40");
+  EXPECT_EQ(seen["mapped_by_key"], "raw/p1/r1#0-50");
+  EXPECT_EQ(seen["found_time"], "0.333") << "the first frame of the finding";
   EXPECT_EQ(seen["found"], 0);
   EXPECT_EQ(seen["found_label"], 1);
   EXPECT_EQ(seen["linked_time"], "0.500");
