@@ -51,7 +51,9 @@ Status AddAudit(const StageInput& input, SetAudit& audit) {
   return GuardJson(input.name, [&] {
     for (const nlohmann::json& line : file->at("clips")) audit.clips[line.at("clip").get<std::string>()] = line;
     for (const nlohmann::json& found : file->at("findings")) {
-      audit.findings[found.at("clip").get<std::string>()].push_back(found.get<Finding>());
+      nlohmann::json whole = {{"joint", ""}, {"action", Name(FindingAction::kAudited)}};  // not in older files
+      whole.update(found);
+      audit.findings[found.at("clip").get<std::string>()].push_back(whole.get<Finding>());
     }
   });
 }

@@ -273,7 +273,8 @@ Status ViewerData::Add(int source, const ViewedClip& viewed) {
   const Motion& motion = *clip.motion;
   const int unit = UnitOf(motion, viewed.tracks);
   const std::string bytes = Packed(viewed, unit);
-  if (!part_.empty() && part_.size() + bytes.size() > part_bytes_) {
+  const std::size_t most = parts_ == 0 ? part_bytes_ / 8 : part_bytes_;  // the first picture waits for the first part
+  if (!part_.empty() && part_.size() + bytes.size() > most) {
     if (Status written = Finish(); !written) return written;
   }
   const double scale = BodyScale(*motion.skeleton, motion.bone_length);
