@@ -190,7 +190,7 @@ void AddView(const CommandLine& line) {
   AddRepeated(view, "--clip", arguments->clips, "id of a clip, or its end; may be repeated (default: all clips)");
   view->add_option("--body", arguments->body,
                    "SMPL_NEUTRAL.pkl or body_cc0.h5 to draw skinned bodies with (default: body_cc0.h5 below "
-                   "MOCURATE_WEIGHTS)");
+                   "MOCURATE_WEIGHTS or MOCURATE_DATA)");
   AddRepeated(view, "--tolerate", arguments->tolerate,
               "code of a finding for which a run refuses or excludes clips, to go on with such clips; may be repeated");
   view->add_flag("--audit", arguments->audit,
@@ -204,7 +204,7 @@ void AddView(const CommandLine& line) {
       "needs no network; motions of more than 24 MB are in a folder beside it.\n\n"
       "Examples:\n  mocurate view walk.bvh\n"
       "  mocurate view runs/demo -o demo.html\n"
-      "  mocurate view before=raw.h5 after=runs/kard/dataset.h5 --clip '#0-90' -o both.html");
+      "  mocurate view before=raw.h5 after=runs/kard/dataset.h5 --clip a05_s01_e01 -o both.html");
   line.Calls(view, ViewVerb, arguments);
 }
 

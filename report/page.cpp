@@ -35,20 +35,22 @@ constexpr PageSection kSections[] = {{"funnel", "Clips, from read to kept", Funn
 std::string ViewerLink(const ReportInput& input, const std::string& name, int frame, const std::string& text) {
   const std::string page = TextOf(Field(input.run, "viewers"), "clips");
   const Clip* found = nullptr;  // that id, else of the recording the clip with the frame, else its first
+  const std::string recording = RecordingOf(name);
+  const int recorded = frame + BeginFrameOf(name);
   bool own_frames = false;
   if (!page.empty() && input.dataset) {
     for (const Clip& clip : input.dataset->clips) {
       const std::string id = clip.id();
       own_frames = id == name;
-      if (!own_frames && RecordingOf(id) != name) continue;
-      const bool has_frame = frame >= clip.identity.begin_frame && frame < clip.identity.end_frame;
+      if (!own_frames && RecordingOf(id) != recording) continue;
+      const bool has_frame = recorded >= clip.identity.begin_frame && recorded < clip.identity.end_frame;
       if (found == nullptr || own_frames || has_frame) found = &clip;
       if (own_frames || has_frame) break;
     }
   }
   if (found == nullptr) return EscapeHtml(text);
   const double time = own_frames ? frame / found->rate.hz()
-                                 : std::max(0, frame - found->identity.begin_frame) / RecordedRate(*found).hz();
+                                 : std::max(0, recorded - found->identity.begin_frame) / RecordedRate(*found).hz();
   return "<a href=\"" + EscapeHtml(page + "#clip=" + PercentEncoded(found->id()) + "&t=" + FixedText(time, 3)) + "\">" +
          EscapeHtml(text) + "</a>";
 }

@@ -352,10 +352,10 @@ std::string ClipsHtml(const ReportInput& input) {
   };
   std::stable_sort(clips.begin(), clips.end(), [&](const nlohmann::json* a, const nlohmann::json* b) {
     if (has_page(a) != has_page(b)) return has_page(a);
-    return residual(a) < residual(b);
+    return residual(a) > residual(b);
   });
   HtmlTable table{
-      "Best fits first, those with a page of their own on top",
+      "Worst fits first, those with a page of their own on top; a head sorts",
       {"Clip", "Residual RMS, mm", "Rejected", "Bone length std, mm", "Jerk, m/s³", "Frames corrected", "Findings"}};
   for (const nlohmann::json* clip : clips) {
     if (table.rows.size() >= kMostRows) break;

@@ -86,10 +86,18 @@ Status AddSet(const StageRequest& request, const StageInput& input, const Viewer
   const int source = data.AddSource(input.name);
   int truth_source = -1;
   const std::map<int, std::string> parts = PartsOf(*outline);
-  std::map<std::string, std::vector<Finding>> findings = audit.findings;
-  for (const Finding& finding : outline->findings) {
-    const bool again = finding.action == FindingAction::kAudited && !audit.clips.empty();
-    if (!again) findings[finding.clip].push_back(finding);
+  std::map<std::string, std::vector<Finding>> findings = std::move(audit.findings);
+  std::set<std::string> ids;
+  for (const Clip& clip : outline->clips) ids.insert(clip.id());
+  for (Finding finding : outline->findings) {
+    if (finding.action == FindingAction::kAudited && !audit.clips.empty()) continue;  // the audit has it
+    if (ids.count(finding.clip) == 0) {  // of the recording, before it was cut
+      const int begin = finding.frame_end > finding.frame_begin ? BeginFrameOf(finding.clip) : 0;
+      finding.frame_begin += begin;
+      finding.frame_end += begin;
+      finding.clip = RecordingOf(finding.clip);
+    }
+    findings[finding.clip].push_back(finding);
   }
   int skin_number = -1;
   const StageInput* body = FindInput(request, "body");

@@ -70,6 +70,12 @@ std::string ClipIdentity::id() const {
 
 std::string RecordingOf(const std::string& id) { return id.substr(0, id.rfind('#')); }
 
+int BeginFrameOf(const std::string& id) {
+  const std::size_t mark = id.rfind('#'), end = id.find('-', mark == std::string::npos ? id.size() : mark);
+  if (mark == std::string::npos || end == std::string::npos) return 0;
+  return static_cast<int>(ParseInteger(id.substr(mark + 1, end - mark - 1)).value_or(0));
+}
+
 std::string PersonOf(const std::string& id) {
   const std::size_t source = id.find('/');
   const std::size_t person = source == std::string::npos ? source : id.find('/', source + 1);

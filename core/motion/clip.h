@@ -140,6 +140,8 @@ struct Clip {
 
 /// A clip id without its frames: source/person/recording.
 std::string RecordingOf(const std::string& id);
+/// First frame of the span in an id, "#begin-end"; 0 without one.
+int BeginFrameOf(const std::string& id);
 /// The person of a clip id, with the source, because persons of two sources differ; empty where it is not known.
 std::string PersonOf(const std::string& id);
 

@@ -101,6 +101,7 @@ const theViewer = (() => {
     decisions.set(keyOf(d), d);
     show();
   };
+  const root = find('viewer'), narrow = () => window.innerWidth <= 1000;
   let seen = null;  // the card in the viewer
   const look = () => {
     const {card} = about.get(clips[here]);
@@ -112,8 +113,23 @@ const theViewer = (() => {
     here = Math.min(clips.length - 1, Math.max(0, to));
     show();
     look();
-    clips[here].scrollIntoView({block: 'center'});
+    clips[here].scrollIntoView({block: narrow() ? 'start' : 'center'});
   };
+  // Where the reader has scrolled away, the first clip in sight is the one that keys decide about.
+  let settled = 0;
+  window.addEventListener('scroll', () => {
+    clearTimeout(settled);
+    settled = setTimeout(() => {
+      const top = narrow() ? root.getBoundingClientRect().bottom : 0;
+      const inSight = clip => { const box = clip.getBoundingClientRect(); return box.bottom > top + 60 && box.top < window.innerHeight - 60; };
+      if (clips.length === 0 || inSight(clips[here])) return;
+      const first = clips.findIndex(inSight);
+      if (first < 0) return;
+      here = first;
+      show();
+      look();
+    }, 120);
+  }, {passive: true});
   const boundary = which => {
     if (clips.length === 0) return;
     const {frames, hz} = about.get(clips[here]).clip;

@@ -1,7 +1,7 @@
 'use strict';
 // Bands and curves of the shown motions over time, on a canvas. A click or drag calls seek(seconds).
 const mocurateTimeline = (() => {
-  const LEFT = 112, ROW = 15, CURVE = 46, TOP = 16;
+  const LEFT = 112, ROW = 15, CURVE = 46, TOP = 16, LANES = 3;
   const STATES = ['observed', 'repaired', 'interpolated', 'inferred'];
 
   /// Speed of the fastest joint, m/s, over 0.2 s; NaN where joints are missing.
@@ -143,6 +143,7 @@ const mocurateTimeline = (() => {
       for (const curve of curves) {
         label(curve.name, y + 10);
         label('max ' + (curve.most >= 10 ? Math.round(curve.most) : curve.most.toFixed(1)) + ' ' + curve.unit, y + 24);
+        if (curve.note) label(curve.note, y + 38);
         for (const line of curve.lines) {
           pen.strokeStyle = line.colour;
           pen.lineWidth = 1.3;
@@ -151,7 +152,7 @@ const mocurateTimeline = (() => {
           for (let f = 0; f < line.values.length; ++f) {
             const v = line.values[f];
             if (v !== v) { open = false; continue; }
-            const px = x(f / line.hz), py = y + CURVE - 4 - (CURVE - 8) * v / (curve.most || 1);
+            const px = x(f / line.hz), py = y + CURVE - 4 - (CURVE - 8) * v / (curve.top || 1);
             if (open) pen.lineTo(px, py); else pen.moveTo(px, py);
             open = true;
           }
@@ -165,13 +166,14 @@ const mocurateTimeline = (() => {
     /// `motions`: [{motion, name, colour}], the shown ones.
     const show = motions => {
       rows = [];
-      const curve = (name, unit, of, before) => {
+      const curve = (name, unit, of, before, least) => {
         const line = (m, motion, colour) => ({colour, hz: m.motion.clip.hz, values: of(motion)});
         const lines = motions.flatMap(m => [...(before && m.motion.hasPoints ? [line(m, tracked(m.motion), style('--before'))] : []),
           line(m, m.motion, m.colour)]).filter(one => one.values);
         let most = 0;
         lines.forEach(line => line.values.forEach(v => { if (v > most) most = v; }));
-        return lines.length > 0 ? [{name, unit, lines, most}] : [];
+        const grey = before && motions.some(m => m.motion.hasPoints);
+        return lines.length > 0 ? [{name, unit, lines, most, top: Math.max(most, least || 0), note: grey ? 'grey: tracked' : ''}] : [];
       };
       length = Math.max(0.1, ...motions.map(m => m.motion.clip.frames / m.motion.clip.hz));
       for (const {motion, name} of motions) {
@@ -179,15 +181,16 @@ const mocurateTimeline = (() => {
         const add = (title, spans) => { if (spans.length > 0) rows.push({name: title + of, spans}); };
         const colours = ['--after', '--right', '--good', '--before'], labels = [...new Set(clip.segments.map(s => s[2]))];
         const lanes = (title, spans) => {  // spans may overlap
-          let open = spans.sort((a, b) => a.begin - b.begin);
+          let open = spans.sort((a, b) => a.begin - b.begin), lane = 0;
           while (open.length > 0) {
             const placed = [], left = [];
             for (const span of open) {
               if (placed.length === 0 || placed[placed.length - 1].end <= span.begin + 1e-9) placed.push(span);
               else left.push(span);
             }
+            if (++lane === LANES) placed.push(...left);
             add(title, placed);
-            open = left;
+            open = lane === LANES ? [] : left;
           }
         };
         lanes('segments', clip.segments.map(([begin, end, text]) => ({begin, end, text: text || 'unlabelled',
@@ -210,7 +213,7 @@ const mocurateTimeline = (() => {
           });
         }
       }
-      curves = [...curve('speed', 'm/s', speeds), ...curve('bone length', 'mm', stretch, true),
+      curves = [...curve('speed', 'm/s', speeds), ...curve('bone length', 'mm', stretch, true, 5),
         ...curve('residual', 'mm', motion => motion.hasPoints ? residuals(motion) : null)];
       height = TOP + ROW * rows.length + CURVE * curves.length + 4;
       draw();

@@ -11,6 +11,7 @@ const mocurateViewer = (() => {
     [0.40, 0.44, 0.50]];
   const LEFT = [0.15, 0.42, 0.78], RIGHT = [0.86, 0.47, 0.14], MIDDLE = [0.55, 0.59, 0.64];
   const STATE = [[0.62, 0.66, 0.71], [0.72, 0.24, 0.20], [0.78, 0.58, 0.05], [0.33, 0.36, 0.42]];
+  const STATES = ['observed', 'repaired', 'interpolated', 'inferred'];
   const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
 
   const make = (name, attributes, ...inside) => {
@@ -84,21 +85,32 @@ const mocurateViewer = (() => {
     const near = make('p', {class: 'near'});
 
     const refigure = () => { state.shown.forEach(entry => { entry.figure = figureOf(entry); }); show(state.time); };
-    const relay = () => { place(); show(state.time); };
+    const relay = () => {
+      const align = root.querySelector('select[data-option=align]');
+      if (align) align.disabled = state.layout === 'beside';
+      place();
+      fit();
+      show(state.time);
+    };
     const hasSkin = index.skins.length > 0, has = name => index.clips.some(clip => clip.has.includes(name));
     const figures = [['body', 'Capsules'], ['bones', 'Bones'], ...(hasSkin ? [['skin', 'Skin']] : [])];
     if (hasSkin) state.figure = 'skin';
     const colours = [['sides', several ? 'by source' : 'left and right'], ...(has('state') ? [['state', 'by state']] : []),
       ...(has('sigma') ? [['sigma', 'by uncertainty']] : [])];
+    const legend = make('span', {class: 'legend'});
+    const swatch = (colour, text) => [make('span', {class: 'swatch', style: 'background:' + hex(colour)}), text + ' '];
+    const explain = () => legend.replaceChildren(...(state.colour === 'state' ? STATE.flatMap((colour, i) => swatch(colour, STATES[i])) :
+      state.colour === 'sigma' ? [...swatch([0.2, 0.55, 0.55], 'sure'), ...swatch([0.8, 0.2, 0.15], '5 cm and more'), ...swatch(STATE[3], 'not stated')] :
+        many() ? ['right sides are pale'] : [...swatch(LEFT, 'left'), ...swatch(RIGHT, 'right')]));
     const layers = make('div', {class: 'layers', role: 'group', 'aria-label': 'What is shown'},
-      option('Figure', 'figure', figures, refigure), option('Colours', 'colour', colours, () => show(state.time)),
+      option('Figure', 'figure', figures, refigure), option('Colours', 'colour', colours, () => { explain(); show(state.time); }),
       ...(several ? [option('Motions', 'layout', [['beside', 'side by side'], ['over', 'overlaid']], relay),
         option('Aligned', 'align', [['world', 'in the world'], ['root', 'at the root']], relay)] : []),
       tick('Path', 'path', 'p', () => show(state.time)),
       ...(index.clips.some(clip => clip.points) ? [tick('Tracked points', 'points', 't', () => show(state.time))] : []),
       ...(index.clips.some(clip => clip.cameras.length > 0) ? [tick('Cameras', 'cameras', 'v', () => show(state.time))] : []),
       ...(has('clouds') ? [tick('Clouds', 'clouds', 'd', () => show(state.time))] : []),
-      tick('Follow', 'follow', 'f', () => show(state.time)));
+      tick('Follow', 'follow', 'f', () => show(state.time)), tick('Loop', 'loop', 'l', () => {}), legend);
     const views = make('div', {class: 'views', role: 'group', 'aria-label': 'Views'}, ...VIEWS.map(([name, yaw, pitch], i) =>
       button(name, () => lookFrom(yaw, pitch), {'data-view': name, title: 'key ' + (i + 1)})), button('Fit', () => { fit(); show(state.time); }, {title: 'key 0'}));
     const tools = make('div', {class: 'tools', role: 'group', 'aria-label': 'Tools'},
@@ -123,6 +135,7 @@ const mocurateViewer = (() => {
     };
     const filters = [['Label', group => group.all.map(clip => clip.label)], ['Person', group => group.all.map(clip => clip.person)],
       ['Part', group => group.all.map(clip => clip.part)],
+      ...(several ? [['Source', group => group.all.map(clip => index.sources[clip.source].name)]] : []),
       ['Finding', group => group.findings.length > 0 ? group.findings.map(f => f.code) : ['none']]]
       .map(([name, of]) => ({of, values: tally(of), name})).filter(f => f.values.length > 1)
       .map(f => ({...f, select: choice(f.name, f.values)}));
@@ -132,14 +145,14 @@ const mocurateViewer = (() => {
       ...(index.clips.some(clip => clip.findings.length > 0) ? [['findings', 'most findings first', group => -group.findings.length]] : [])];
     const order = make('select', {'aria-label': 'Sort by', onchange: () => list()}, ...orders.map(([value, text]) => make('option', {value}, text)));
     const mapped = index.clips.filter(clip => clip.map);
-    const field = filters.filter(f => f.name !== 'Finding').map(f => [f.name, clip => clip[f.name.toLowerCase()]]);
+    const field = filters.filter(f => f.name !== 'Finding' && f.name !== 'Source').map(f => [f.name, clip => clip[f.name.toLowerCase()]]);
     field.push(['Finding', clip => clip.findings.length > 0 ? clip.findings[0].code : '']);
     const mapCanvas = make('canvas', {tabindex: 0, role: 'img', 'aria-label': 'Map of the clips: alike ones are near each other; arrow keys go to a neighbour'});
     const mapLegend = make('p', {class: 'legend'});
     const map = mapped.length > 2 ? mocurateClipMap.build(mapCanvas, mapLegend, field, style, clip => choose(clip)) : null;
     const mapColour = make('select', {'aria-label': 'Colours of the map', 'data-option': 'map', onchange: e => map.colour(e.target.value)},
       ...field.map(([name]) => make('option', {value: name}, 'Map by ' + name.toLowerCase())));
-    const mapBox = map && make('details', {class: 'map', open: true, ontoggle: () => map.draw()}, make('summary', {}, 'Map of clips'), mapCanvas, mapLegend, mapColour);
+    const mapBox = map && make('details', {class: 'map', open: window.innerWidth > 820, ontoggle: () => map.draw()}, make('summary', {}, 'Map of clips'), mapCanvas, mapLegend, mapColour);
     // Places of different sources are not comparable: the map is that of the shown clip's.
     const remap = () => {
       const clip = state.group && state.group.clips(state.sample).find(other => other && other.map);
@@ -152,13 +165,14 @@ const mocurateViewer = (() => {
       const words = search.value.toLowerCase().split(/\s+/).filter(word => word);
       const of = orders.find(o => o[0] === order.value)[2];
       matching = groups.filter(group => {
-        const text = group.all.map(clip => [clip.id, clip.label, clip.fine, ...clip.segments.map(s => s[2])].join(' ')).join(' ').toLowerCase();
+        const text = group.all.map(clip => [clip.id, clip.label, clip.fine, several ? index.sources[clip.source].name : '',
+          ...clip.segments.map(s => s[2]), ...clip.findings.map(f => f.code)].join(' ')).join(' ').toLowerCase();
         return words.every(word => text.includes(word)) && filters.every(f => f.select.value === '' && f.select.selectedIndex === 0 || f.of(group).includes(f.select.value));
       });
       matching = matching.map((group, i) => [of(group), i, group]).sort((a, b) => a[0] < b[0] ? -1 : a[0] > b[0] ? 1 : a[1] - b[1])
         .map(row => row[2]);
       entries.replaceChildren(...matching.slice(0, MOST_LISTED).map(group => {
-        const clip = group.first, {findings} = group, worst = findings.some(f => f.severity === 'error') ? 'error' : findings.length > 0 ? 'warning' : '';
+        const clip = group.first, {findings} = group, worst = ['error', 'warning', 'info'].find(severity => findings.some(f => f.severity === severity));
         return make('li', {}, make('button', {type: 'button', 'data-clip': clip.id, 'aria-current': group === state.group ? 'true' : false,
           onclick: () => select(group, 0)}, make('span', {class: 'name'}, keyOf(clip)), make('span', {class: 'more'},
           [clip.label || (clip.segments.length > 0 ? clip.segments.length + ' segments' : ''), (clip.frames / clip.hz).toFixed(1) + ' s',
@@ -323,7 +337,11 @@ const mocurateViewer = (() => {
       say(said || '');
       for (const item of entries.querySelectorAll('[aria-current]')) item.removeAttribute('aria-current');
       const item = entries.querySelector('[data-clip="' + CSS.escape(group.first.id) + '"]');
-      if (item) item.setAttribute('aria-current', 'true');
+      if (item) {
+        item.setAttribute('aria-current', 'true');
+        const list = entries.getBoundingClientRect(), row = item.getBoundingClientRect();
+        if (row.top < list.top || row.bottom > list.bottom) entries.scrollTop += row.top - list.top - list.height / 3;
+      }
       state.sample = sample || 0;
       const clips = group.clips(state.sample).filter(clip => clip);
       return Promise.all(clips.map(clip => mocurateParts.read(index, clip.place[0])
@@ -334,6 +352,7 @@ const mocurateViewer = (() => {
         length = Math.max(...shown.map(entry => (entry.motion.clip.frames - 1) / entry.motion.clip.hz));
         slider.max = String(lead().motion.clip.frames - 1);
         describe(group);
+        explain();
         const drawn = timeline.show(shown.map(entry => ({motion: entry.motion, name: index.sources[entry.source].name,
           colour: many() ? hex(HUES[entry.source % HUES.length]) : style('--after')})));
         root.dataset.rows = drawn.rows.concat(drawn.curves).join('|');
@@ -360,7 +379,7 @@ const mocurateViewer = (() => {
     };
     const describe = group => {
       const clip = group.clips(state.sample).find(other => other);
-      heading.textContent = keyOf(clip);
+      heading.textContent = [...new Set(group.clips(state.sample).filter(other => other).map(keyOf))].join(' · ');
       samples.hidden = group.samples < 2;
       samples.replaceChildren(...Array.from({length: group.samples}, (x, i) => make('option', {value: i, selected: i === state.sample},
         'sample ' + (i + 1) + ' of ' + group.samples)));
@@ -475,7 +494,7 @@ const mocurateViewer = (() => {
     const actions = {' ': () => play(!state.playing), ArrowLeft: () => frames(-1), ArrowRight: () => frames(1), Home: () => frames(-1e9),
       End: () => frames(1e9), 0: () => { fit(); show(state.time); }, g: () => cycle('figure'), c: () => cycle('colour'),
       o: () => cycle('layout'), a: () => cycle('align'), p: () => flip('path'), t: () => flip('points'), f: () => flip('follow'), v: () => flip('cameras'), d: () => flip('clouds'),
-      l: () => { state.loop = !state.loop; say(state.loop ? 'The motion repeats.' : 'The motion ends.'); },
+      l: () => flip('loop'),
       '+': () => faster(1), '-': () => faster(-1), i: () => { zoom(0.9); show(state.time); }, u: () => { zoom(1.1); show(state.time); }, '?': () => { keys.open = !keys.open; }};
     if (index.page) Object.assign(actions, {n: () => neighbour(1), b: () => neighbour(-1), '/': () => search.focus()});
     VIEWS.forEach(([, yaw, pitch], i) => { actions[i + 1] = () => lookFrom(yaw, pitch); });
@@ -485,7 +504,7 @@ const mocurateViewer = (() => {
     };
     (index.page || index.embedded === 'beside' ? document : root).addEventListener('keydown', e => {
       if (index.embedded === 'beside' && /^[a-z/?]$/i.test(e.key)) return;
-      const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && !/^(checkbox)$/.test(e.target.type);
+      const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(e.target.tagName) && e.target.type !== 'checkbox' && !(e.target.type === 'range' && e.key === ' ');
       const pressed = e.key === ' ' && (e.target.tagName === 'BUTTON' || e.target.type === 'checkbox');
       if (e.ctrlKey || e.metaKey || e.altKey || typing || pressed || e.repeat && e.key === ' ' || e.target.tagName === 'SUMMARY') return;
       const turning = e.shiftKey && {ArrowLeft: [0.15, 0], ArrowRight: [-0.15, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1]}[e.key];
@@ -500,9 +519,12 @@ const mocurateViewer = (() => {
       ...(index.embedded ? [] : [make('aside', {'aria-label': 'Clips'}, search, make('div', {class: 'filters'}, ...filters.map(f => f.select), order),
         count, entries, ...(map ? [mapBox] : []))]),
       make('div', {class: 'stage'}, make('div', {class: 'head'}, heading, facts, make('div', {}, samples, names), near, found), canvas, status,
-        make('div', {class: 'controls'}, playButton, slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
+        make('div', {class: 'controls'}, playButton, button('−1', () => frames(-1), {'aria-label': 'One frame back', title: 'key ←'}),
+          button('+1', () => frames(1), {'aria-label': 'One frame on', title: 'key →'}), slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
     list();
     lasting = stage.kind === 'canvas' ? 'This browser has no WebGL: motions are drawn as bones.' : '';
+    // After a click the keys are the viewer's; a control that was reached by keys keeps them.
+    root.addEventListener('click', e => { if (e.detail > 0 && e.target.closest('button')) canvas.focus({preventScroll: true}); });
     if (map) new ResizeObserver(() => requestAnimationFrame(map.draw)).observe(mapCanvas);
     new ResizeObserver(() => requestAnimationFrame(() => { timeline.draw(); show(state.time); })).observe(canvas);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { timeline.draw(); show(state.time); });

@@ -114,6 +114,9 @@ try:
         until(lambda: data("clip") == chosen[1].get_attribute("data-clip"))
         seen["second"] = data("clip")
         seen["second_time"] = data("time")
+        ActionChains(driver).send_keys(Keys.SPACE).perform()
+        seen["space_after_click"] = data("playing")
+        ActionChains(driver).send_keys(Keys.SPACE).perform()
         layout = driver.find_elements(By.CSS_SELECTOR, "select[data-option=layout]")
         if layout:
             wide = "return theViewer.state.shown.map(entry => entry.base[0])"

@@ -324,6 +324,9 @@ TEST(Viewer, EvidenceOfARunStandsBesideItsMotion) {
 TEST(Viewer, AnAuditGivesTheMapTheNearestClipsAndFindings) {
   Viewed viewed;
   viewed.with_audit = true;
+  Finding before = FindingOfFrames("gap", 10, 14, 1.0, "before the clip was cut", FindingAction::kFlagged);
+  before.clip = "raw/p1/r1#5-99";
+  viewed.sets[0].findings.push_back(before);
   ASSERT_TRUE(viewed.Make());
   const nlohmann::json index = viewed.Index(), &first = index["clips"][0], &last = index["clips"][2];
   EXPECT_EQ(first["map"], (nlohmann::json{0.0, 0.0}));
@@ -331,6 +334,8 @@ TEST(Viewer, AnAuditGivesTheMapTheNearestClipsAndFindings) {
   EXPECT_EQ(last["findings"].back()["code"], "outlier");
   EXPECT_NEAR(last["findings"].back()["begin_s"], 0.1, 1e-9);
   EXPECT_FALSE(index["clips"][3].contains("map")) << "of a set without an audit";
+  EXPECT_EQ(index["clips"][1]["findings"].back()["code"], "gap");
+  EXPECT_NEAR(index["clips"][1]["findings"].back()["begin_s"], 0.5, 1e-9) << "frame 15 of the recording";
 }
 
 TEST(Viewer, CloudsAreMeasuredPointsNearTheBodyAndAnUnreadableImageLosesItsFrames) {
@@ -387,6 +392,7 @@ TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
   EXPECT_EQ(seen["listed"], 3) << "clips of both sets stand together";
   EXPECT_EQ(seen["second"], "raw/p1/r1#0-50");
   EXPECT_EQ(seen["second_time"], "0.000");
+  EXPECT_EQ(seen["space_after_click"], "true");
   EXPECT_GT(seen["beside"][1], seen["beside"][0]);
   EXPECT_EQ(seen["over"], (nlohmann::json{0, 0}));
   EXPECT_EQ(seen["hidden"], 1);
