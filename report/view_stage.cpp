@@ -182,6 +182,15 @@ Expected<StageOutcome> ViewStage(const StageRequest& request) {
                 request.inputs.front().name, named ? "`mocurate inspect` lists the clips" : "give files of motions");
   }
   nlohmann::json index = data.Index();
+  index["notes"] = nlohmann::json::array();  // said on the page: what it does not show
+  if (!without.empty()) {
+    index["notes"].push_back(Counted(static_cast<long long>(without.size()), "clip") +
+                             " without a motion not shown, the first: " + without.front());
+  }
+  if (lost > 0) {
+    index["notes"].push_back("The images or clouds of " + Counted(static_cast<long long>(lost), "frame") +
+                             " cannot be read: they are not shown");
+  }
   index["page"] = true;  // the address and keys of the browser's window are the viewer's
   const bool whole = data.bytes() * 4 / 3 <= static_cast<std::size_t>(options->page_bytes);
   const std::string set = digest.Hex().substr(0, 16);

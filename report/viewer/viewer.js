@@ -522,7 +522,8 @@ const mocurateViewer = (() => {
         make('div', {class: 'controls'}, playButton, button('−1', () => frames(-1), {'aria-label': 'One frame back', title: 'key ←'}),
           button('+1', () => frames(1), {'aria-label': 'One frame on', title: 'key →'}), slider, clock, speed), bands, layers, make('div', {class: 'row'}, views, tools), keys));
     list();
-    lasting = stage.kind === 'canvas' ? 'This browser has no WebGL: motions are drawn as bones.' : '';
+    lasting = [...(index.notes || []).map(note => note + '.'), ...(stage.kind === 'canvas' ?
+      ['This browser has no WebGL: motions are drawn as bones.'] : [])].join(' ');
     // After a click the keys are the viewer's; a control that was reached by keys keeps them.
     root.addEventListener('click', e => { if (e.detail > 0 && e.target.closest('button')) canvas.focus({preventScroll: true}); });
     if (map) new ResizeObserver(() => requestAnimationFrame(map.draw)).observe(mapCanvas);

@@ -364,6 +364,19 @@ TEST(Viewer, CloudsAreMeasuredPointsNearTheBodyAndAnUnreadableImageLosesItsFrame
   ASSERT_TRUE(unreadable) << unreadable.error().Message();
   EXPECT_EQ(unreadable->lost, seen->clouds.size());
   EXPECT_TRUE(unreadable->clouds.empty());
+  ViewerOptions options;
+  options.clouds = true;
+  request.stage = request.item = "view";
+  request.options = OptionsToJson(options);
+  request.output = run.folder / "page";
+  request.inputs.push_back({"motions", "set", run.folder / "fit_c.h5", ""});
+  const auto made = ViewStage(request);
+  ASSERT_TRUE(made) << made.error().Message();
+  EXPECT_EQ(made->summary["frames_without_cloud"], seen->clouds.size());
+  const std::string page = *ReadFile(run.folder / "page/index.html"), begin = "id=\"viewer-index\">";
+  const std::size_t at = page.find(begin) + begin.size();
+  const auto index = nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+  EXPECT_EQ(index["notes"].size(), 1U) << "said on the page";
 }
 
 TEST(ViewerInABrowser, KeysClicksAndDragsDoWhatTheySay) {
