@@ -202,15 +202,6 @@ std::vector<double> AxisMarks(double low, double high, int most) {
   return marks;
 }
 
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double place = share * static_cast<double>(values.size() - 1);
-  const std::size_t below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
 Drawing BarChart::Draw() const {
   constexpr double kBar = 380.0, kStep = 30.0;
   double most = full, left = 60.0, right = 60.0;

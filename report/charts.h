@@ -86,6 +86,4 @@ std::optional<PlotSheet> LearningSheet(const nlohmann::json& rows, const std::st
 /// Round steps (1, 2, 5 times a power of ten) that cover [low, high] with at most `most` marks.
 std::vector<double> AxisMarks(double low, double high, int most);
 
-double Quantile(std::vector<double> values, double share);
-
 }  // namespace mocurate

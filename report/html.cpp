@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/base/file.h"
@@ -92,18 +91,6 @@ std::string Base64(const std::string& bytes) {
     }
   }
   return text;
-}
-
-std::string FixedText(double value, int digits) {
-  if (!std::isfinite(value)) return "–";
-  char buffer[400];
-  std::snprintf(buffer, sizeof(buffer), "%.*f", digits, value);
-  std::string text = buffer;
-  for (char& c : text) {
-    if (c == ',') c = '.';
-  }
-  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
-  return is_zero && text[0] == '-' ? text.substr(1) : text;
 }
 
 std::string ShortText(double value) {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/table_text.h"
+
 namespace mocurate {
 
 /// Text escaped for HTML and attribute values. Bytes that are not UTF-8 become U+FFFD.
@@ -18,8 +20,6 @@ std::string PercentEncoded(std::string_view text);
 
 std::string Base64(const std::string& bytes);
 
-/// Fixed digits with a point in any locale; an en dash for non-finite values.
-std::string FixedText(double value, int digits);
 /// About three significant digits, as HTML: "0.012", "12.3", "1234", "&lt; 0.001".
 std::string ShortText(double value);
 /// 1234567 -> "1 234 567" (thin spaces).

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/formats/survey_files.h"
 
 namespace mocurate {
 
@@ -36,8 +37,6 @@ struct AnnotateOptions {
 
   void Declare(OptionVisitor& v);
 };
-
-enum class SurveyKind { kRanking, kRealOrFake };
 
 /// Options of the survey page.
 struct SurveyOptions {

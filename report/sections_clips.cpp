@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/median.h"
 #include "report/charts.h"
 #include "report/html.h"
 #include "report/page.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/text.h"
 #include "report/charts.h"
 #include "report/html.h"

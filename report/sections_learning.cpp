@@ -6,6 +6,7 @@
 #include "report/charts.h"
 #include "report/html.h"
 #include "report/page.h"
+#include "report/page_files.h"
 #include "report/run_facts.h"
 
 namespace mocurate {
@@ -287,32 +288,6 @@ std::string StopsHtml(const ReportInput& input) {
   return html;
 }
 
-std::string ReadingHtml(const ReportInput&) {
-  return R"html(<dl>
-<dt>Residual</dt><dd>Distance of the fitted joints (or body surface) from the observations. It measures how well the
-fit explains the evidence, not how accurate the evidence is.</dd>
-<dt>Bone length deviation</dt><dd>Standard deviation of each bone's length over the frames of a clip, averaged over
-bones. A person's bones do not change: before fitting this is tracker noise, after it is zero by construction.</dd>
-<dt>Jerk</dt><dd>Root mean square of the third derivative of joint positions. Less is smoother, but does not mean
-accuracy: compare it with the residual.</dd>
-<dt>Missing joints</dt><dd>Samples without an observation. Fitted motion has none; inferred samples are marked in
-the dataset.</dd>
-<dt>FID ↓</dt><dd>Fréchet distance between features of generated and of real motion; features are the recogniser's,
-so values compare only within one recogniser.</dd>
-<dt>Accuracy ↑</dt><dd>Share of the motions that the recogniser classifies as the requested label.</dd>
-<dt>Diversity →, Multimodality →</dt><dd>Mean feature distance between motions of any labels, and of the same label.
-Best is closest to the row <em>Real</em>.</dd>
-<dt>FID, equal sizes ↓</dt><dd>Both sides have the same number of motions, so that rows compare with <em>Real</em>,
-which FID train may flatter or not.</dd>
-<dt>FID, unbiased ↓</dt><dd>What FID would be of infinitely many motions.</dd>
-<dt>Movement, of real →</dt><dd>Speed of the joints over that of real motions of the same label: far below 1, the
-motions hardly move, whatever their FID.</dd>
-<dt>±</dt><dd>See the line below the table: over other motions, over other persons, over the repetitions of the
-evaluation, or over several trainings.</dd>
-<dt>Best, median, worst</dt><dd>By residual, among the clips that have a fit. Failed clips are in the funnel's
-reasons.</dd>
-</dl>
-)html";
-}
+std::string ReadingHtml(const ReportInput&) { return std::string(PageFile("reading.html")); }
 
 }  // namespace mocurate

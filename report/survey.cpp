@@ -10,6 +10,8 @@
 #include "core/base/random.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
+#include "report/charts.h"
+#include "report/html.h"
 
 namespace mocurate {
 namespace {
@@ -149,8 +151,6 @@ std::vector<PlannedPage> PlanPages(const SurveyOptions& options, const std::vect
 
 }  // namespace
 
-std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kRanking ? "ranking" : "real_or_fake"; }
-
 Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<SurveySource>& sources) {
   if (Status sound = CheckSources(options, sources); !sound) return Forward(sound);
   const auto labels = LabelsToAsk(options, sources);
@@ -195,6 +195,45 @@ Expected<SurveyKey> DrawSurvey(const SurveyOptions& options, const std::vector<S
   }
   key.labels.assign(asked.begin(), asked.end());
   return key;
+}
+
+std::string TallyToSvg(const nlohmann::ordered_json& tally, const std::string& corner) {
+  const bool ranking = !tally.contains("real");
+  BarChart chart{ranking ? "Shares of ranks" : "Share of votes that a motion is real"};
+  chart.full = 1.0;
+  chart.corner = corner;
+  for (const nlohmann::ordered_json& row : tally.at("rows")) {
+    if (!row.at("label").is_null()) continue;
+    BarChart::Row bar{row.at("source").get<std::string>(), {}, row.at("votes") == 0 ? "no answers" : ""};
+    const double votes = std::max(1.0, row.at("votes").get<double>());
+    const std::vector<double> counts = ranking ? row.at("ranks").get<std::vector<double>>()
+                                               : std::vector{row.at("judged_real").at("votes").get<double>()};
+    for (std::size_t rank = 0; rank < counts.size(); ++rank) {  // the best rank is the darkest
+      const double lighter = 0.85 * static_cast<double>(rank) / static_cast<double>(counts.size());
+      bar.parts.push_back({counts[rank] / votes, Lightened(kAfterColour, lighter),
+                           ranking ? "rank " + std::to_string(rank + 1) : "judged real"});
+    }
+    if (row.at("votes") > 0) {
+      const auto percent = [&](const char* name) {
+        return FixedText(100.0 * row.at(name).at("share").get<double>(), 0) + " %";
+      };
+      bar.value_text =
+          ranking ? percent("first") + " first, " + percent("first_two") + " in the first two" : percent("judged_real");
+      if (!ranking) {
+        const nlohmann::ordered_json& wilson = row.at("judged_real").at("wilson_95");
+        bar.interval = {wilson.at("low").get<double>(), wilson.at("high").get<double>()};
+      }
+    }
+    chart.legend = bar.parts;
+    chart.rows.push_back(std::move(bar));
+  }
+  const auto people = static_cast<long long>(tally.at("participants").size());
+  chart.note = people == 0 ? "There are no answers." : Counted(people, "participant") + ".";
+  if (const auto skipped = static_cast<long long>(tally.at("skipped").size()); skipped > 0) {
+    chart.note += " " + Counted(skipped, "file") + " not counted.";
+  }
+  if (people > 0 && !ranking) chart.note += " Whiskers: 95 % (Wilson), assuming independent votes.";
+  return ToSvg(chart.Draw());
 }
 
 }  // namespace mocurate

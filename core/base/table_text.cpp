@@ -1,5 +1,8 @@
 #include "core/base/table_text.h"
 
+#include <cmath>
+#include <cstdio>
+
 #include "core/base/terminal.h"
 #include "core/base/text.h"
 
@@ -85,6 +88,18 @@ std::string MarkdownText(std::string_view text) {
     }
   }
   return escaped;
+}
+
+std::string FixedText(double value, int digits) {
+  if (!std::isfinite(value)) return "–";
+  char buffer[400];
+  std::snprintf(buffer, sizeof(buffer), "%.*f", digits, value);
+  std::string text = buffer;
+  for (char& c : text) {
+    if (c == ',') c = '.';
+  }
+  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && text[0] == '-' ? text.substr(1) : text;
 }
 
 }  // namespace mocurate

@@ -24,4 +24,7 @@ std::string YamlQuoted(std::string_view text);
 /// A text in one line of Markdown, with markup and HTML escaped.
 std::string MarkdownText(std::string_view text);
 
+/// Fixed digits with a point in any locale; an en dash for non-finite values.
+std::string FixedText(double value, int digits);
+
 }  // namespace mocurate

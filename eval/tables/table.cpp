@@ -1,7 +1,6 @@
 #include "eval/tables/table.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -12,20 +11,10 @@
 namespace mocurate {
 namespace {
 
-std::string Fixed(double value, int digits) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof(buffer), "%.*f", digits, value);
-  for (char& c : buffer) {
-    if (c == ',') c = '.';
-  }
-  const std::string text = buffer;
-  return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
-}
-
 /// "0.920 ± 0.050"; the cell has a value.
 std::string CellText(const Table::Cell& cell, int digits, const char* plus_minus, const char* mark) {
-  std::string text = Fixed(*cell.value, digits);
-  if (cell.interval) text += plus_minus + Fixed(0.5 * ((*cell.interval)[1] - (*cell.interval)[0]), digits);
+  std::string text = FixedText(*cell.value, digits);
+  if (cell.interval) text += plus_minus + FixedText(0.5 * ((*cell.interval)[1] - (*cell.interval)[0]), digits);
   return text + (cell.marked ? mark : "");
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/log.h"
 #include "core/base/terminal.h"
 #include "core/base/text.h"
+#include "eval/survey/survey_tally.h"
 #include "job/config_loading.h"
 #include "job/motion_files.h"
 #include "job/protocols.h"
@@ -16,7 +17,7 @@
 #include "job/verbs/verbs.h"
 #include "report/options.h"
 #include "report/stages.h"
-#include "report/survey_tally.h"
+#include "report/survey.h"
 
 namespace mocurate {
 namespace {

@@ -51,6 +51,7 @@ const std::map<std::string, std::string> kModuleOfLibrary = {
     {"quality", "core/quality"},
     {"body", "core/body"},
     {"formats", "core/formats"},
+    {"survey_files", "core/formats"},
     {"store", "core/store"},
     {"skin", "core/skin"},
     {"pipeline", "core/pipeline"},

@@ -11,8 +11,9 @@
 
 #include "core/motion/operations.h"
 #include "core/store/body_file.h"
+#include "eval/survey/survey_tally.h"
 #include "report/stages.h"
-#include "report/survey_tally.h"
+#include "report/survey.h"
 #include "tests/report/browser.h"
 #include "tests/report/builders.h"
 

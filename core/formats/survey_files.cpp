@@ -1,5 +1,7 @@
 // key.json and answers_PARTICIPANT.json, checked strictly: edited files must not change a count.
 
+#include "core/formats/survey_files.h"
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -7,7 +9,6 @@
 #include "core/base/json_text.h"
 #include "core/base/sha256.h"
 #include "core/base/text.h"
-#include "report/survey.h"
 
 namespace mocurate {
 namespace {
@@ -119,6 +120,8 @@ Expected<std::vector<int>> ValuesOf(const Json& answer, SurveyKind kind, std::si
 }
 
 }  // namespace
+
+std::string_view Name(SurveyKind kind) { return kind == SurveyKind::kRanking ? "ranking" : "real_or_fake"; }
 
 std::string SurveyId(const SurveyKey& key) { return Sha256Hex(DumpedJson(ContentOfKey(key))).substr(0, 16); }
 

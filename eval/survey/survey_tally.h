@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "report/survey.h"
+#include "core/formats/survey_files.h"
 
 namespace mocurate {
 
@@ -38,8 +38,5 @@ nlohmann::ordered_json TallySurvey(const SurveyKey& key, const std::vector<Surve
 std::string TallyToCsv(const nlohmann::ordered_json& rows);
 /// Explanation of the values, and their tables.
 std::string TallyToMarkdown(const nlohmann::ordered_json& tally);
-/// An SVG file: for each source a bar of the shares of its ranks, or of the share judged real with Wilson's interval as
-/// a whisker; without answers a note.
-std::string TallyToSvg(const nlohmann::ordered_json& tally, const std::string& corner = "");
 
 }  // namespace mocurate
