@@ -10,9 +10,9 @@ namespace {
 /// Names that `format` may have, "none" first.
 std::vector<std::string>& FormatNames() {
   static std::vector<std::string> names = {
-      "none",     "joint_table", "bvh",      "npy",         "depth_sequence", "ntu_skeleton",      "asf_amc",
-      "amass",    "expmap",      "phspd",    "vibe_tracks", "uestc",          "humanact12_pickle", "motions",
-      "openpose", "depth_views", "panoptic", "clouds"};
+      "none",     "joint_table", "bvh",         "npy",   "depth_sequence",    "ntu_skeleton", "asf_amc",  "amass",
+      "expmap",   "phspd",       "vibe_tracks", "uestc", "humanact12_pickle", "motions",      "openpose", "depth_views",
+      "panoptic", "clouds",      "c3d",         "trc"};
   return names;
 }
 

@@ -434,7 +434,7 @@ class C3dReader {
       }
     }
     if (lost > 0) {
-      c3d_.findings.push_back(MakeFinding("not_a_number", Severity::kInfo, static_cast<double>(lost),
+      c3d_.findings.push_back(MakeFinding("not_a_number", Severity::kWarning, static_cast<double>(lost),
                                           Counted(lost, "sample") + " that are no numbers are missing",
                                           FindingAction::kDropped));
     }

@@ -18,7 +18,9 @@ constexpr double kHole = std::numeric_limits<double>::quiet_NaN();
 class TrcParser {
  public:
   TrcParser(std::string_view bytes, const std::string& name, DamagedRows damaged_rows)
-      : lines_(bytes, name), reports_(damaged_rows == DamagedRows::kReport) {}
+      : lines_(bytes, name),
+        ends_in_line_(!bytes.empty() && (bytes.back() == '\n' || bytes.back() == '\r')),
+        reports_(damaged_rows == DamagedRows::kReport) {}
 
   Expected<TrcFile> Run() {
     if (lines_.Peek().empty()) return EmptyFile(lines_.name());
@@ -133,6 +135,11 @@ class TrcParser {
       for (std::size_t c = 2 + 3 * markers; c < cells.size(); ++c) unnamed += cells[c].empty() ? 0 : 1;
     }
     if (trc_.frame_number.empty()) return lines_.CutOff("a row of numbers");
+    if (!ends_in_line_ && announced_rows_ > trc_.rows()) {  // its last number may be cut too
+      trc_.frame_number.pop_back();
+      trc_.time_s.pop_back();
+      trc_.values.resize(trc_.values.size() - 3 * markers);
+    }
     if (unnamed > 0) {
       trc_.findings.push_back(MakeFinding(
           "unnamed_points", Severity::kInfo, static_cast<double>(unnamed / 3),
@@ -191,12 +198,14 @@ class TrcParser {
     if (announced_rows_ > rows && !reports_)
       return CountContradiction("NumFrames", announced_rows_, rows, lines_.name());
     trc_.findings.push_back(MakeFinding(
-        announced_rows_ > rows ? "cut_off" : "count_contradiction", Severity::kWarning, announced_rows_,
+        announced_rows_ > rows ? "cut_off" : "count_contradiction",
+        announced_rows_ > rows ? Severity::kError : Severity::kWarning, announced_rows_,
         "NumFrames announces " + FormatDouble(announced_rows_) + ", " + FormatDouble(rows) + " rows follow"));
     return {};
   }
 
   LineReader lines_;
+  const bool ends_in_line_;
   const bool reports_;
   TrcFile trc_;
   char separator_ = '\t';

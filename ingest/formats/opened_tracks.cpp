@@ -1,10 +1,22 @@
 #include <algorithm>
 
 #include "core/base/text.h"
+#include "core/formats/line_reader.h"
 #include "ingest/formats/driver.h"
 #include "ingest/inspect/read_raw.h"
 
 namespace mocurate {
+
+std::string UnitIn(std::string_view word) {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"mm", "mm"},   {"millimeters", "mm"}, {"millimetres", "mm"}, {"millimeter", "mm"}, {"cm", "cm"},
+      {"m", "m"},     {"meters", "m"},       {"metres", "m"},       {"meter", "m"},       {"centimeters", "cm"},
+      {"in", "inch"}, {"inch", "inch"},      {"inches", "inch"},    {"metre", "m"},       {"centimetres", "cm"}};
+  for (const auto& [known, unit] : kWords) {
+    if (SameWord(Trim(word), known)) return unit;
+  }
+  return "";
+}
 
 Expected<IngestedClip> TracksAsOpened(const SourceFile& file) {
   const SourceOptions& source = file.source;
@@ -13,6 +25,12 @@ Expected<IngestedClip> TracksAsOpened(const SourceFile& file) {
   if (!opened) return Forward(opened);
   if (opened->clips.empty() || opened->clips.front().positions.empty())
     return Fail(ErrorCode::kInconsistent, "the file has no joints", file.name, "", Reason::kNoValidSamples);
+  if (opened->clips.size() > 1) {
+    return Fail(ErrorCode::kUnsupported,
+                "the file has points of " + std::to_string(opened->clips.size()) + " subjects: " + opened->clips[0].id +
+                    ", " + opened->clips[1].id + (opened->clips.size() > 2 ? ", ..." : ""),
+                file.name, "export each subject as a file of its own");
+  }
   const RawClip& raw = opened->clips.front();
   const Expected<AxisConvention> axes = AxisConvention::Parse(source.axes);
   if (!axes) return Forward(axes);
@@ -20,6 +38,10 @@ Expected<IngestedClip> TracksAsOpened(const SourceFile& file) {
   if (!metres) return Forward(metres);
   IngestedClip ingested;
   ingested.findings = raw.remarks;
+  if (const Expected<double> stated = MetresPerUnit(raw.units); !raw.units.empty() && stated && *stated != *metres) {
+    ingested.findings.push_back(Contradiction(source, "units_contradiction", *stated / *metres,
+                                              "the file states " + raw.units + ", the source " + source.units));
+  }
   ingested.clip.rate =
       raw.rate_hz ? RateOfFile(source, *raw.rate_hz, ingested, raw.rate_finding) : FrameRate::FromHz(*source.rate_hz);
   JointTracks tracks;

@@ -25,6 +25,8 @@ FormatDriver OpenPoseFormat();
 FormatDriver DepthViewsFormat();
 FormatDriver PanopticFormat();
 FormatDriver CloudsFormat();
+FormatDriver C3dFormat();
+FormatDriver TrcFormat();
 
 namespace {
 
@@ -34,7 +36,7 @@ std::deque<FormatDriver>& AllFormats() {
       DepthSequenceFormat(),    NtuSkeletonFormat(), AsfAmcFormat(),     AmassFormat(),
       ExpmapFormat(),           PhspdFormat(),       VibeTracksFormat(), UestcFormat(),
       HumanAct12PickleFormat(), MotionsFormat(),     OpenPoseFormat(),   DepthViewsFormat(),
-      PanopticFormat(),         CloudsFormat()};
+      PanopticFormat(),         CloudsFormat(),      C3dFormat(),        TrcFormat()};
   return drivers;
 }
 

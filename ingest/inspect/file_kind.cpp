@@ -113,8 +113,7 @@ LineContent ContentOfLine(std::string_view line) {
   return content;
 }
 
-/// A table below a header: lines with words, then two rows of as many numbers. That of OpenSim's markers (.trc) is
-/// none.
+/// A table below a header: lines with words, then two rows of as many numbers.
 bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
   constexpr int kMostHeaderLines = 8;  // as ParseJointTable passes over
   constexpr int kFewestNumbers = 3;
@@ -122,7 +121,6 @@ bool IsTableWithHeader(const std::vector<std::string_view>& lines) {
   for (const std::string_view line : lines) {
     const LineContent content = ContentOfLine(line);
     if (content.numbers + content.words == 0) continue;
-    if (StartsWith(line, "PathFileType")) return false;
     if (content.words > 0 && first == 0) {
       if (++header > kMostHeaderLines) return false;
       continue;
@@ -217,6 +215,14 @@ bool IsWideBvh(std::string_view bytes) {
   return StartsWith(text, "HIERARCHY");
 }
 
+/// The second byte of a C3D file is a P; a block of numbers has bytes of 0, which a text has not. A damaged PNG may
+/// begin so too.
+bool IsC3d(std::string_view bytes) {
+  constexpr std::size_t kBlock = 512;
+  return bytes.size() >= kBlock && bytes[1] == 'P' && static_cast<unsigned char>(bytes[0]) >= 2 &&
+         bytes.substr(1, 3) != "PNG" && bytes.substr(0, kBlock).find('\0') != std::string_view::npos;
+}
+
 FileKind JsonKind(std::string_view bytes) {
   TopKeys keys;
   nlohmann::json::sax_parse(bytes.begin(), bytes.end(), &keys);
@@ -242,6 +248,7 @@ FileKind KindOf(std::string_view bytes) {
   if (StartsWith(bytes, "\xFF\xD8\xFF")) return FileKind::kJpeg;
   if (IsVideo(bytes)) return FileKind::kVideo;
   if (StartsWith(bytes, "PK\x03\x04")) return FileKind::kZip;
+  if (IsC3d(bytes)) return FileKind::kC3d;
   if (bytes.size() > 2 && bytes[0] == '\x80' && bytes[1] >= 2 && bytes[1] <= 5) return FileKind::kPickle;
   if (BeginsAsOldPickle(bytes.substr(0, kKindHead))) return FileKind::kPickle;
   if (IsWideBvh(bytes)) return FileKind::kBvh;
@@ -253,6 +260,7 @@ FileKind KindOf(std::string_view bytes) {
   if (StartsWith(bytes, "ply\n") || StartsWith(bytes, "ply\r")) return FileKind::kPly;
   if (StartsWith(bytes, "# .PCD") || StartsWith(bytes, "VERSION ")) return FileKind::kPcd;
   if (StartsWith(bytes, "%YAML:1.0")) return FileKind::kOpenCvStorage;
+  if (SameWord(bytes.substr(0, std::string_view("PathFileType").size()), "PathFileType")) return FileKind::kTrc;
   if (bytes[0] == '{') return JsonKind(bytes);
   if (bytes[0] == '<')
     return bytes.find("<opencv_storage") == std::string_view::npos ? FileKind::kXml : FileKind::kOpenCvStorage;

@@ -17,6 +17,8 @@ enum class FileKind {
   kEmpty,
   kBvh,
   kNpy,
+  kC3d,
+  kTrc,
   kNumbers,
   kNtuSkeleton,
   kAsf,

@@ -152,6 +152,8 @@ Finding DecimalCommas();
 /// Frames per second by the clock of CMU Panoptic's files. Files may be missing: the usual step, their median, tells
 /// how many moments lie between two of them. 0: unknown.
 double RateByClock(const std::vector<PanopticBodies>& scenes);
+/// The unit that a file states by a word ("mm ", "Meters"), as declarations have it; empty where it is none of them.
+std::string UnitIn(std::string_view word);
 /// The joints of a file of `mocurate export`, as it names them.
 Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::string& name);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.

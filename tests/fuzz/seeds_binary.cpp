@@ -1,14 +1,17 @@
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 #include "core/formats/amass.h"
 #include "core/formats/array_fields.h"
+#include "core/formats/c3d.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npz.h"
 #include "core/formats/pickle_writer.h"
 #include "core/formats/point_cloud.h"
 #include "core/formats/safetensors.h"
 #include "core/formats/smpl_model.h"
+#include "core/formats/trc.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/formats/zip_archive.h"
 #include "tests/formats/pickle_samples.h"
@@ -132,6 +135,36 @@ void AddNetworks(FuzzSeeds& seeds) {
   seeds.push_back({"safetensors", EncodeSafetensors({})});
 }
 
+void AddMarkers(FuzzSeeds& seeds) {
+  C3dFile c3d;
+  c3d.frames = 3;
+  c3d.first_frame = 5;
+  c3d.rate_hz = 100.0;
+  c3d.scale = 0.1;
+  c3d.units = "mm";
+  c3d.x_screen = "+X";
+  c3d.y_screen = "+Z";
+  c3d.points = {{"A:LKNE", "knee", ""}, {"A:LHipAngles", "", "ANGLES"}};
+  c3d.values = {1, 2, 3, 4, 5, 6, 0, 0, 0, 7, 8, 9, -1, -2, -3, 1e3, 2e3, 3e3};
+  c3d.residual = {0.1F, 0.2F, -1.0F, 0.0F, 0.3F, 0.0F};
+  for (const C3dProcessor processor : {C3dProcessor::kIntel, C3dProcessor::kDec, C3dProcessor::kSgi}) {
+    c3d.processor = processor;
+    c3d.floats = !c3d.floats;
+    Add(seeds, "c3d", WriteC3d(c3d, "seed"));
+  }
+  TrcFile trc;
+  trc.rate_hz = 100.0;
+  trc.units = "mm";
+  trc.names = {"LKNE", "C 7"};
+  trc.frame_number = {1, 2, 4};
+  trc.time_s = {0.0, 0.01, 0.03};
+  trc.values = {1, 2, 3, NAN, NAN, NAN, 4, 5, 6, 7, 8, 9, -1, -2, -3.5, 1e3, 2, 1};
+  seeds.push_back({"trc", WriteTrc(trc)});
+  seeds.push_back({"trc", "PathFileType 4 (X/Y/Z) a\nDataRate NumFrames Units\n50 1 m\nFrame# Time A\n1 0 1 2 3\n"});
+  seeds.push_back(
+      {"trc", "PathFileType,4,(X/Y/Z),a\r\nDataRate,Units\r\n50,\r\nFrame#,Time,A,,,B\r\n1,0,1,2,3,,,NaN\r\n"});
+}
+
 void AddClouds(FuzzSeeds& seeds) {
   Ply ply;
   PlyElement vertices{"vertex", 3, {}};
@@ -162,6 +195,7 @@ void AddBinarySeeds(FuzzSeeds& seeds) {
   AddPickles(seeds);
   AddTorch(seeds);
   AddNetworks(seeds);
+  AddMarkers(seeds);
   AddClouds(seeds);
 }
 

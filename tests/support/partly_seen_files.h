@@ -14,6 +14,7 @@
 
 #include "core/formats/amass.h"
 #include "core/formats/bvh.h"
+#include "core/formats/c3d.h"
 #include "core/formats/expmap_table.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/npy.h"
@@ -22,6 +23,7 @@
 #include "core/formats/panoptic_bodies.h"
 #include "core/formats/phspd_text.h"
 #include "core/formats/png.h"
+#include "core/formats/trc.h"
 #include "core/formats/vibe_pickle.h"
 #include "core/motion/kinematics.h"
 #include "core/store/store.h"
@@ -561,6 +563,50 @@ inline std::string PhspdFile(const fs::path& folder, const Seen& seen) {
   }
   Place(folder / "pose/subject01_group1_time1/pose.txt", WritePhspdPose(pose));
   return JobOf("phspd", folder, "smpl24", {"rate: 30 Hz"});
+}
+
+/// The joints as points of a C3D file in millimetres; those of frames without a person are not seen.
+inline std::string C3dMarkers(const fs::path& folder, const Seen& seen) {
+  const Motion motion = Take(static_cast<int>(seen.size()));
+  C3dFile c3d;
+  c3d.frames = motion.frame_count();
+  c3d.rate_hz = motion.rate.hz();
+  c3d.units = "mm";
+  for (const Joint& joint : motion.skeleton->joints) c3d.points.push_back({joint.name, "", ""});
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      const Vector3d at = 1000.0 * motion.joints.at(f, j);
+      c3d.values.insert(c3d.values.end(), at.data(), at.data() + 3);
+      c3d.residual.push_back(seen[static_cast<std::size_t>(f)] ? 0.0F : -1.0F);
+    }
+  }
+  Place(folder / "takes/one.c3d", *WriteC3d(c3d, "one.c3d"));
+  return Job(folder, "smpl24",
+             {"format: c3d", "files: \"takes/{recording}.c3d\"", "person: one", "units: mm", "axes: \"+x +y +z\"",
+              "label: \"\""});
+}
+
+/// The same as TRC; frames without a person have empty cells, or no row.
+inline std::string TrcMarkers(const fs::path& folder, const Seen& seen, bool without_rows) {
+  const Motion motion = Take(static_cast<int>(seen.size()));
+  TrcFile trc;
+  trc.rate_hz = motion.rate.hz();
+  trc.units = "m";
+  for (const Joint& joint : motion.skeleton->joints) trc.names.push_back(joint.name);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    const bool there = seen[static_cast<std::size_t>(f)];
+    if (!there && without_rows) continue;
+    trc.frame_number.push_back(f + 1);
+    trc.time_s.push_back(motion.rate.FrameTime(f));
+    for (int j = 0; j < motion.joint_count(); ++j) {
+      const Vector3d at = there ? Vector3d(motion.joints.at(f, j)) : Vector3d::Constant(std::nan(""));
+      trc.values.insert(trc.values.end(), at.data(), at.data() + 3);
+    }
+  }
+  Place(folder / "takes/one.trc", WriteTrc(trc));
+  return Job(folder, "smpl24",
+             {"format: trc", "files: \"takes/{recording}.trc\"", "person: one", "units: m", "axes: \"+x +y +z\"",
+              "label: \"\""});
 }
 
 /// Exponential maps of the CMU set; rows of frames without a person are damaged.

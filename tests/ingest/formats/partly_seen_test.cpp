@@ -52,7 +52,10 @@ const std::vector<std::pair<std::string, Builder>>& Builders() {
       {"openpose", OpenPoseWhole},
       {"depth_views", DepthViewFiles},
       {"panoptic", PanopticFiles},
-      {"clouds", CloudFiles}};
+      {"clouds", CloudFiles},
+      {"c3d", C3dMarkers},
+      {"trc", [](const fs::path& folder, const Seen& seen) { return TrcMarkers(folder, seen, false); }},
+      {"trc", [](const fs::path& folder, const Seen& seen) { return TrcMarkers(folder, seen, true); }}};
   return builders;
 }
 
