@@ -183,10 +183,12 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
 }
 
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
-                                    const std::vector<double>& bone_length, const FittingOptions& options) {
+                                    const std::vector<double>& bone_length, const FittingOptions& options,
+                                    const std::vector<double>& place_sigma) {
   std::vector<std::string> excluded;
-  const Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &excluded);
+  Expected<SkeletonTracks> tracks = TracksOfClip(clip, skeleton, options.other_joints, &excluded);
   if (!tracks) return Forward(tracks);
+  if (!place_sigma.empty()) tracks->place_sigma = place_sigma;
   std::optional<Finding> size_differs;
   if (!bone_length.empty()) {
     Expected<std::optional<Finding>> size = CheckSize(*tracks, bone_length, clip.id());

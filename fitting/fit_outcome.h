@@ -21,9 +21,11 @@ Expected<FitResult> RepairAndFit(const SkeletonTracks& given, const FrameRate& r
                                  const JointTrackOptions& options);
 
 /// Fit of a clip's joint tracks, or of the joints of its given motion, with given bones (J; empty: rest lengths).
-/// Errors of TracksOfClip, CheckSize (of given bones) and FitJointTracks.
+/// `place_sigma`: of markers that were learnt (PersonBody). Errors of TracksOfClip, CheckSize (of given bones) and
+/// FitJointTracks.
 Expected<FitResult> FitTracksOfClip(const Clip& clip, const SkeletonPtr& skeleton,
-                                    const std::vector<double>& bone_length, const FittingOptions& options);
+                                    const std::vector<double>& bone_length, const FittingOptions& options,
+                                    const std::vector<double>& place_sigma = {});
 
 /// Fit of the person of a clip's keypoint views. `body` is the skeleton with the detector's points
 /// (WithDetectorPoints), `bone_length` of the body (empty: measured on this clip); the motion has the skeleton's own

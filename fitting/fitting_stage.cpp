@@ -78,7 +78,7 @@ Expected<FitResult> Fit(const StageRequest& request, const Clip& clip, const Fit
   const std::vector<double>& bones = body->bone_length;
   if (clouds_alone) return FitClouds(clip, body->skeleton, bones, options.point_clouds);
   if (options.method == FitMethod::kJointsAndClouds) return FitTracksAndDepth(clip, body->skeleton, bones, options);
-  return FitTracksOfClip(clip, body->skeleton, bones, options);
+  return FitTracksOfClip(clip, body->skeleton, bones, options, body->place_sigma);
 }
 
 /// Whether a clip is in the share that both solvers fit, by the hash of its id.

@@ -105,17 +105,22 @@ nlohmann::json ProportionsJson(const Proportions& person, const Skeleton& rest) 
   for (const double component : person.skeleton->shape) {
     if (person.skeleton->shape != BodyShape{}) body_shape.push_back(std::round(component * 1e3) / 1e3 + 0.0);
   }
-  return {{"person", person.person},
-          {"body_shape", body_shape},
-          {"skeleton", person.skeleton->name},
-          {"bone_length_m", lengths},
-          {"rest_direction", directions},
-          {"samples", samples},
-          {"bone_spread_mm", sigmas},
-          {"clips", person.clips},
-          {"frames", person.frames},
-          {"scale", std::round(person.scale * 1e4) / 1e4},
-          {"stature_m", tenths_of_mm(Stature(*person.skeleton, person.bone_length)) / 1e4}};
+  nlohmann::json json = {{"person", person.person},
+                         {"body_shape", body_shape},
+                         {"skeleton", person.skeleton->name},
+                         {"bone_length_m", lengths},
+                         {"rest_direction", directions},
+                         {"samples", samples},
+                         {"bone_spread_mm", sigmas},
+                         {"clips", person.clips},
+                         {"frames", person.frames},
+                         {"scale", std::round(person.scale * 1e4) / 1e4},
+                         {"stature_m", tenths_of_mm(Stature(*person.skeleton, person.bone_length)) / 1e4}};
+  for (std::size_t j = 0; j < person.place_sigma.size(); ++j) {
+    if (person.place_sigma[j] > 0.0)
+      json["place_sigma_mm"][person.skeleton->joints[j].name] = tenths_of_mm(person.place_sigma[j]) / 1e1;
+  }
+  return json;
 }
 
 namespace {
@@ -213,8 +218,16 @@ Expected<PersonBody> BodyFromJson(const nlohmann::json& json, const SkeletonPtr&
   if (body_shape != json.end()) {
     if (Status taken = TakeShape(*body_shape, *own, where); !taken) return Forward(taken);
   }
+  std::vector<double> place_sigma;
+  if (const auto stated = json.find("place_sigma_mm"); stated != json.end() && stated->is_object()) {
+    place_sigma.assign(skeleton->joints.size(), 0.0);
+    for (std::size_t j = 0; j < place_sigma.size(); ++j) {
+      const auto one = stated->find(skeleton->joints[j].name);
+      if (one != stated->end() && one->is_number()) place_sigma[j] = std::clamp(1e-3 * one->get<double>(), 0.0, 1.0);
+    }
+  }
   const bool is_same = own->shape == skeleton->shape && (directions == json.end() || directions->empty());
-  return PersonBody{is_same ? skeleton : SkeletonPtr(std::move(own)), *std::move(lengths)};
+  return PersonBody{is_same ? skeleton : SkeletonPtr(std::move(own)), *std::move(lengths), std::move(place_sigma)};
 }
 
 }  // namespace mocurate

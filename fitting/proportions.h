@@ -12,8 +12,9 @@ namespace mocurate {
 
 /// The body used to fit a person's clips.
 struct PersonBody {
-  SkeletonPtr skeleton;             ///< with the person's own directions of bones (WithOwnDirections)
-  std::vector<double> bone_length;  ///< (J) metres; empty: unknown
+  SkeletonPtr skeleton;               ///< with the person's own directions of bones (WithOwnDirections)
+  std::vector<double> bone_length;    ///< (J) metres; empty: unknown
+  std::vector<double> place_sigma{};  ///< (J) or empty: metres per axis, of the places of markers, learnt from trials
 };
 
 /// One person's bone lengths and their sources.
@@ -25,7 +26,8 @@ struct Proportions {
   std::vector<double> bone_sigma;   ///< (J) metres, robust standard deviation over frames before any fit
   std::vector<std::string> clips;   ///< ids, sorted
   int frames = 0;
-  double scale = 1.0;  ///< of the person against the rest skeleton
+  double scale = 1.0;                 ///< of the person against the rest skeleton
+  std::vector<double> place_sigma{};  ///< (J) or empty: metres per axis, of the places of markers
 };
 
 /// Median lengths and own directions over all clips. Without clips: rest lengths. Rounded to 0.1 mm.
@@ -37,7 +39,7 @@ std::vector<double> RoundedLengths(std::vector<double> lengths);
 
 /// {"person", "body_shape": the skeleton's, [] if unknown, "skeleton", "bone_length_m": {joint: m}, "rest_direction":
 /// {joint: [x, y, z]} of joints where it differs from `rest`, "samples": {joint: n}, "bone_spread_mm": {joint: mm},
-/// "clips", "frames", "scale", "stature_m"}
+/// "clips", "frames", "scale", "stature_m"}, of markers "place_sigma_mm": {joint: mm}.
 nlohmann::json ProportionsJson(const Proportions& proportions, const Skeleton& rest);
 
 /// The body of a proportions artifact on `skeleton`; landmarks that it does not name have rest length times the

@@ -17,6 +17,7 @@
 #include "fitting/keypoint_fit.h"
 #include "fitting/proportions.h"
 #include "fitting/solver/body_size.h"
+#include "fitting/solver/marker_body.h"
 #include "fitting/stages.h"
 
 namespace mocurate {
@@ -208,6 +209,14 @@ Expected<StageOutcome> ProportionsStage(const StageRequest& request) {
     }
   }
   Proportions person = EstimateProportions(clips.tracks, cloud_clips.empty() ? body : *skeleton, *options);
+  if (!clips.tracks.empty() && clips.tracks.front().least_sigma > 0.0) {
+    Expected<MarkerBody> worn = LearnMarkerBody(clips.tracks, options->joint_tracks);
+    if (!worn) return Forward(worn);
+    person.skeleton = worn->skeleton;
+    person.bone_length = RoundedLengths(std::move(worn->bone_length));
+    person.scale = worn->scale;
+    person.place_sigma = std::move(worn->place_sigma);
+  }
   if (!cloud_clips.empty()) {
     const Status sized = MeasureSizeOfClouds(cloud_clips, *skeleton, options->point_clouds, person, outcome.findings);
     if (!sized) return Forward(sized);

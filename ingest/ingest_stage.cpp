@@ -101,6 +101,13 @@ void Complete(const SourceOptions& source, const NamedFile& named, const std::st
   clip.provenance["source_axes"] = source.axes;
   if (!source.units.empty()) clip.provenance["source_units"] = source.units;
   if (!source.skeleton.empty()) clip.provenance["source_skeleton"] = source.skeleton;
+  if (!source.markers.empty()) {
+    nlohmann::json markers = nlohmann::json::array();
+    for (const MarkerPlace& marker : source.markers)
+      markers.push_back(
+          {{"point", marker.point}, {"joint", marker.joint}, {"offset", marker.offset}, {"spread", marker.spread}});
+    clip.provenance["markers"] = markers.dump();
+  }
   if (!named.style.empty()) clip.provenance["style"] = named.style;
   if (!named.performance.empty()) clip.provenance["performance"] = named.performance;
 }

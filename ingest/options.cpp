@@ -25,6 +25,13 @@ void LabelRule::Declare(OptionVisitor& v) {
   v.Text("label", label, "of the clips whose text has it");
 }
 
+void MarkerPlace::Declare(OptionVisitor& v) {
+  v.Text("point", point, "name of the marker in the files");
+  v.Text("joint", joint, "joint of the fitted skeleton that it moves with");
+  v.Numbers("offset", offset, Unit::kMetre, {-2.0, 2.0}, "in that joint's frame, in the rest pose");
+  v.Number("spread", spread, Unit::kMetre, {0.001, 0.5}, "standard deviation of that place per axis, among people");
+}
+
 void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("name", name, "short name of the source; first part of every clip id");
   v.OneOf("format", format, FormatNames(), "what the files are");
@@ -131,6 +138,9 @@ void SourceOptions::Declare(OptionVisitor& v) {
   v.Text("view", view, "camera or view, made of {fields} of the file name");
   v.Text("style", style, "style of the performance, made of {fields} of the file name");
   v.TextMap("labels", labels, "names of the labels");
+  v.List("markers", markers,
+         "c3d, trc: points that are markers on the skin, e.g. of configs/markers; the fit learns where a person wears "
+         "them, and leaves out other points. None: points are joints");
   v.List("label_rules", label_rules,
          "labels by patterns, for texts missing in `labels`, such as descriptions; the first match counts");
   v.TextMap("fine_labels", fine_labels, "names of the fine labels; others keep their text");

@@ -29,6 +29,16 @@ struct LabelRule {
   void Declare(OptionVisitor& v);
 };
 
+/// A marker on the body, where a source declares those of its files.
+struct MarkerPlace {
+  std::string point;                          ///< its name in the files
+  std::string joint;                          ///< of the fitted skeleton, that it moves with
+  std::vector<double> offset{0.0, 0.0, 0.0};  ///< in that joint's frame, rest pose, metres
+  double spread = 0.02;                       ///< standard deviation of that per axis, metres
+
+  void Declare(OptionVisitor& v);
+};
+
 /// What becomes of a file whose label is not listed under `labels`.
 enum class OtherLabels { kError, kLeaveOut, kKeep };
 /// The rule that separates the people of a file from other tracks.
@@ -107,7 +117,8 @@ struct SourceOptions {
   RootTranslation root_translation = RootTranslation::kPublished;  ///< vibe_tracks, uestc
   std::vector<std::string> annotations;                            ///< amass: BABEL files below the folder
   std::map<std::string, std::string> annotation_roles;             ///< amass: file of annotations -> role of its clips
-  double least_confidence = 0.0;                                   ///< joint_table: of a joint that has a position
+  std::vector<MarkerPlace> markers;  ///< c3d, trc: points that are markers; none: points are joints
+  double least_confidence = 0.0;     ///< joint_table: of a joint that has a position
   DamagedRows damaged_rows = DamagedRows::kReport;
   MissingValue missing = MissingValue::kNone;
   std::vector<double> lie_bone_lengths;  ///< npy: (J) in the file's unit; the array holds Lie parameters

@@ -4,7 +4,7 @@ set -euo pipefail
 what=${1:-programs}
 
 programs=(g++ cmake ninja-build ccache mold pkg-config git ca-certificates xz-utils
-  libeigen3-dev libboost-dev nlohmann-json3-dev libexpected-dev libcli11-dev libyaml-cpp-dev libpugixml-dev libtomlplusplus-dev libspdlog-dev libfmt-dev libssl-dev
+  libeigen3-dev libboost-dev nlohmann-json3-dev libexpected-dev libcli11-dev libyaml-cpp-dev libpugixml-dev libtomlplusplus-dev libtinygltf-dev libspdlog-dev libfmt-dev libssl-dev
   libhdf5-dev zlib1g-dev libzip-dev libpng-dev libceres-dev libsuitesparse-dev libopen3d-dev libopencv-dev libtorch-dev
   libjs-three libopenblas-dev libopenblas0-pthread libnanoflann-dev)
 tests=(libgtest-dev libgmock-dev python3 python3-h5py python3-numpy python3-scipy hdf5-tools chromium chromium-driver python3-selenium locales procps binutils libblas3

@@ -32,7 +32,7 @@ class LabelledFolderWriter : public LayoutWriter {
   Expected<std::vector<ExportedFile>> Finish(std::vector<std::string>& notes) override {
     NoteNames(notes);
     std::vector<ExportedFile> files = {ClipTable(set_, clips_)};
-    if (clips_.empty()) return files;
+    if (clips_.empty() || folder_.declare == nullptr) return files;
     const FrameRate& first = clips_.front().rate;
     const bool one_rate =
         std::all_of(clips_.begin(), clips_.end(), [&](const WrittenClip& c) { return c.rate == first; });

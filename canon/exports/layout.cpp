@@ -86,7 +86,15 @@ const std::vector<Layout>& Layouts() {
        ".bvh",
        {T::kNeedsRotations},
        {C::kRotations, C::kBoneLengths, C::kFineLabel},
-       MakeBvhLayout}};
+       MakeBvhLayout},
+      {"c3d", "joints as points of a .c3d per clip, mm", ".c3d", {}, {C::kFineLabel, C::kStates}, MakeC3dLayout},
+      {"trc", "joints as markers of a .trc per clip, mm", ".trc", {}, {C::kFineLabel, C::kStates}, MakeTrcLayout},
+      {"glb",
+       "glTF with bones, animation and a body of capsules, a .glb per clip (Blender)",
+       ".glb",
+       {T::kNeedsRotations},
+       {C::kRotations, C::kBoneLengths, C::kFineLabel},
+       MakeGlbLayout}};
   return layouts;
 }
 

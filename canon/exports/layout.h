@@ -82,7 +82,7 @@ struct Layout {
   bool Carries(ClipContent content) const;
 };
 
-/// npz, humanact12, actor, amass_babel, csv, bvh.
+/// npz, humanact12, actor, amass_babel, csv, bvh, c3d, trc, glb.
 const std::vector<Layout>& Layouts();
 /// Null for an unknown name.
 const Layout* FindLayout(std::string_view name);
@@ -104,6 +104,9 @@ class NotCarried {
 std::unique_ptr<LayoutWriter> MakeNpzLayout(const ExportSet& set);
 std::unique_ptr<LayoutWriter> MakeCsvLayout(const ExportSet& set);
 std::unique_ptr<LayoutWriter> MakeBvhLayout(const ExportSet& set);
+std::unique_ptr<LayoutWriter> MakeC3dLayout(const ExportSet& set);
+std::unique_ptr<LayoutWriter> MakeTrcLayout(const ExportSet& set);
+std::unique_ptr<LayoutWriter> MakeGlbLayout(const ExportSet& set);
 std::unique_ptr<LayoutWriter> MakeHumanAct12Layout(const ExportSet& set);
 std::unique_ptr<LayoutWriter> MakeActorLayout(const ExportSet& set);
 std::unique_ptr<LayoutWriter> MakeAmassBabelLayout(const ExportSet& set);

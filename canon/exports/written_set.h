@@ -78,7 +78,8 @@ struct LabelledFolder {
   std::string ending;  ///< ".csv"
   /// The file of a clip, or the error that prevents it.
   Expected<std::string> (*encode)(const Clip& clip, const ExportSet& set);
-  /// Options of ingest.source, except those for names, and their values in YAML. `rate` is the first clip's.
+  /// Options of ingest.source, except those for names, and their values in YAML. `rate` is the first clip's. Null:
+  /// mocurate does not read such files, and no source.yaml is written.
   std::vector<std::pair<std::string, std::string>> (*declare)(const ExportSet& set, const FrameRate& rate);
   bool holds_rate = false;              ///< each file states its rate
   bool declares_rate = true;            ///< the declaration must state the rate, even where the files do

@@ -292,7 +292,10 @@ class C3dReader {
     }
     frame_words_ = 4 * c3d_.points.size() + static_cast<std::size_t>(analog);
     const int header_start = HeaderWord(9);
-    const int start = static_cast<int>(NumberOf("POINT:DATA_START").value_or(0.0));
+    const double stated_start = NumberOf("POINT:DATA_START").value_or(0.0);
+    if (!(stated_start >= 0.0 && stated_start <= kMost16))
+      return Bad("block " + FormatDouble(stated_start) + " is none of a file", "POINT:DATA_START", kWriteAgain);
+    const int start = static_cast<int>(stated_start);
     if (header_start > 0 && start > 0 && header_start != start) {
       return Contradiction("samples begin in block " + std::to_string(header_start) +
                                " by the header, POINT:DATA_START is " + std::to_string(start),
@@ -313,7 +316,8 @@ class C3dReader {
   /// A count of 32 bits in two words.
   std::optional<long long> LongNumber(const std::string& key) const {
     const auto low = NumberOf(key), high = NumberOf(key, 1);
-    if (!low) return std::nullopt;
+    if (!low || *low < 0.0 || *low > kMost16 || high.value_or(0.0) < 0.0 || high.value_or(0.0) > kMost16)
+      return std::nullopt;
     return static_cast<long long>(*low + 65536.0 * high.value_or(0.0));
   }
 

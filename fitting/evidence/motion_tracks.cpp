@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/json_text.h"
 #include "core/base/resources.h"
 #include "core/motion/gaps.h"
 #include "core/motion/operations.h"
@@ -135,17 +136,29 @@ void RelateConfidences(SkeletonTracks& tracks) {
 
 }  // namespace
 
+namespace {
+
+/// Metres per axis: markers move with the skin by 5 to 20 mm (Leardini et al., Gait & Posture 21, 2005).
+constexpr double kSkinSigma = 0.005;
+
+}  // namespace
+
 Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skeleton, OtherJoints other,
                                       std::vector<std::string>* excluded) {
   Expected<JointTracks> given;
   const TrackerPoints points = TrackerPointsOf(clip, *skeleton);
   const JointTracks* tracks = clip.evidence.tracks ? &*clip.evidence.tracks : nullptr;
   std::vector<std::string> unknown;
+  if (!points.unknown.empty()) {
+    return Fail(ErrorCode::kInconsistent,
+                "skeleton '" + skeleton->name + "' lacks the joints of the markers " + points.unknown, clip.id(),
+                "correct ingest.source.markers, or fit the skeleton that they are of");
+  }
   if (points.tracker) {
     given = OnBodyOf(points, *tracks, *skeleton);
     tracks = &*given;
   }
-  if (tracks != nullptr && other == OtherJoints::kLeaveOut) {
+  if (tracks != nullptr && (other == OtherJoints::kLeaveOut || points.markers)) {
     given = JointTracks(TracksOfSkeleton(*tracks, *skeleton, unknown));
     tracks = &*given;
   }
@@ -165,6 +178,7 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
   if (!mapped) return InClip(mapped.error(), clip);
   RelateConfidences(*mapped);
   mapped->place_sigma = PlaceSigmas(points, *skeleton);
+  if (points.markers) mapped->least_sigma = kSkinSigma;
   if (excluded != nullptr) *excluded = std::move(unknown);
   return mapped;
 }
@@ -183,8 +197,54 @@ const PointPlace* PlaceOf(const TrackerPoints& points, const std::string& name) 
 
 }  // namespace
 
+namespace {
+
+/// "RKNE" of "LKNE", "Right_Knee" of "Left_Knee"; empty for a name that begins with neither side.
+std::string PartnerOf(const std::string& name) {
+  for (const auto& [left, right] : {std::pair("Left", "Right"), {"left", "right"}, {"L", "R"}}) {
+    for (const auto& [from, to] : {std::pair(left, right), {right, left}}) {
+      if (name.rfind(from, 0) == 0) return to + name.substr(std::string(from).size());
+    }
+  }
+  return "";
+}
+
+/// The markers as a tracker's skeleton: all hang from the first.
+TrackerPoints MarkersOf(const std::string& json, const Skeleton& body) {
+  TrackerPoints points;
+  points.markers = true;
+  auto tracker = std::make_shared<Skeleton>();
+  tracker->name = kMarkers;
+  for (const nlohmann::json& marker : ParseJson(json, kMarkers).value_or(nlohmann::json::array())) {
+    PointPlace place{marker.at("point"), marker.at("joint"), {}, marker.at("spread")};
+    for (int k = 0; k < 3; ++k) place.offset[k] = marker.at("offset").at(static_cast<std::size_t>(k));
+    if (!body.FindJoint(place.joint)) {
+      points.unknown += (points.unknown.empty() ? "" : ", ") + place.point + " (" + place.joint + ")";
+      continue;
+    }
+    Joint joint;
+    joint.name = place.point;
+    joint.parent = tracker->joints.empty() ? -1 : 0;
+    joint.mirror = tracker->joint_count();
+    for (int j = 0; j < tracker->joint_count(); ++j) {
+      Joint& other = tracker->joints[static_cast<std::size_t>(j)];
+      if (other.name != PartnerOf(place.point)) continue;
+      other.mirror = joint.mirror;
+      joint.mirror = j;
+    }
+    tracker->joints.push_back(std::move(joint));
+    points.places.push_back(std::move(place));
+  }
+  if (!points.places.empty()) points.tracker = std::move(tracker);
+  return points;
+}
+
+}  // namespace
+
 TrackerPoints TrackerPointsOf(const Clip& clip, const Skeleton& body) {
   TrackerPoints points;
+  if (const auto markers = clip.provenance.find(kMarkers); clip.evidence.tracks && markers != clip.provenance.end())
+    return MarkersOf(markers->second, body);
   const auto source = clip.provenance.find(kSourceSkeleton);
   if (!clip.evidence.tracks || source == clip.provenance.end() || source->second == body.name) return points;
   if (!FindResource("skeletons/" + source->second + ".yaml")) return points;

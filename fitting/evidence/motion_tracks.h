@@ -27,10 +27,16 @@ Expected<SkeletonTracks> TracksOfClip(const Clip& clip, const SkeletonPtr& skele
 /// Key of the provenance under which ingest leaves the skeleton that a source declares.
 inline constexpr const char* kSourceSkeleton = "source_skeleton";
 
+/// Key of the provenance under which ingest leaves the markers that a source declares, as JSON: a list of {"point",
+/// "joint", "offset", "spread"}.
+inline constexpr const char* kMarkers = "markers";
+
 /// A tracker's points and their places on a body.
 struct TrackerPoints {
   SkeletonPtr tracker;             ///< its skeleton; null: the tracks' names are those of the body's joints
   std::vector<PointPlace> places;  ///< of which the body has the joints
+  bool markers = false;            ///< points on the skin that the source declares; others are left out
+  std::string unknown{};           ///< markers of joints that the body lacks: "LKNE (left_kne)"
 };
 
 /// Of the clip's tracks on `body`. A built-in skeleton of the source that declares the places of its points is a

@@ -127,7 +127,8 @@ NoiseEstimate EstimateNoise(const SkeletonTracks& tracks, const std::vector<doub
     noise.sigma = kUnmeasuredSigma;
     return noise;
   }
-  noise.sigma = std::max({noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestTrackSigma});
+  noise.sigma = std::max(
+      {noise.white, bones > 0 ? std::sqrt(bone_square / bones) : 0.0, kSmallestTrackSigma, tracks.least_sigma});
   return noise;
 }
 

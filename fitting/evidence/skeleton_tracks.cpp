@@ -97,6 +97,27 @@ Status MapRotations(const JointTracks& tracks, const std::vector<int>& joint_of_
 
 }  // namespace
 
+std::vector<bool> SkeletonTracks::ObservedSamples() const {
+  std::vector<bool> observed(confidence.size());
+  std::vector<char> above(skeleton->joints.size()), here(above.size()), below(above.size());
+  for (int f = 0; f < frames(); ++f) {
+    const std::size_t row = static_cast<std::size_t>(f) * static_cast<std::size_t>(joints());
+    for (std::size_t j = 0; j < here.size(); ++j) here[j] = below[j] = seen(f, static_cast<int>(j)) ? 1 : 0;
+    for (std::size_t j = here.size(); j-- > 1 && least_sigma > 0.0;) {
+      const auto parent = static_cast<std::size_t>(skeleton->joints[j].parent);
+      if (skeleton->joints[j].landmark && here[j] != 0) here[parent] = 1;
+      if (here[j] != 0 || below[j] != 0) below[parent] = 1;
+    }
+    for (std::size_t j = 0; j < here.size(); ++j) {
+      const int parent = skeleton->joints[j].parent;
+      const auto over = static_cast<std::size_t>(std::max(0, parent));
+      above[j] = parent >= 0 && (above[over] != 0 || here[over] != 0) ? 1 : 0;
+      observed[row + j] = here[j] != 0 || (least_sigma > 0.0 && above[j] != 0 && below[j] != 0);
+    }
+  }
+  return observed;
+}
+
 std::vector<bool> SkeletonTracks::JointObservations() const {
   std::vector<bool> any(joints(), false);
   for (int f = 0; f < frames(); ++f) {
@@ -160,6 +181,7 @@ SkeletonTracks CutTracks(const SkeletonTracks& tracks, int begin, int end) {
   SkeletonTracks cut;
   cut.skeleton = tracks.skeleton;
   cut.place_sigma = tracks.place_sigma;
+  cut.least_sigma = tracks.least_sigma;
   cut.time_s.assign(tracks.time_s.begin() + begin, tracks.time_s.begin() + end);
   cut.positions = JointPositions(end - begin, tracks.joints());
   const auto first = static_cast<std::ptrdiff_t>(begin) * tracks.joints();

@@ -23,6 +23,9 @@ struct SkeletonTracks {
   /// (J) or empty: standard deviation per axis of a tracked point's constant offset on the person; 0 for joints.
   std::vector<double> place_sigma;
 
+  /// Standard deviation per axis that the noise has at least, metres: markers move with the skin, without noise.
+  double least_sigma = 0.0;
+
   int frames() const { return positions.frames; }
   int joints() const { return positions.joints; }
   double confidence_at(int frame, int joint) const {
@@ -34,6 +37,9 @@ struct SkeletonTracks {
     return precision.empty() ? Matrix3d(c * c * Matrix3d::Identity())
                              : precision[static_cast<std::size_t>(frame) * positions.joints + joint];
   }
+  /// Whether a joint's place is observed in each frame: where it is seen or, of markers, where a marker that moves with
+  /// it is, or markers are on both sides of it, above and below. (F*J)
+  std::vector<bool> ObservedSamples() const;
   /// Whether the joint is observed in any frame. (J)
   std::vector<bool> JointObservations() const;
   /// Whether any joint is observed in the frame. (F)

@@ -93,10 +93,11 @@ std::vector<JointState> StatesOf(const SkeletonTracks& tracks, const std::vector
   std::vector<JointState> states(tracks.confidence.size());
   const auto joints = static_cast<std::size_t>(tracks.joints());
   std::vector<bool> observed(static_cast<std::size_t>(tracks.frames()));
+  const std::vector<bool> shown = tracks.ObservedSamples();
   for (int j = 0; j < tracks.joints(); ++j) {
     for (int f = 0; f < tracks.frames(); ++f) {
       const std::size_t at = static_cast<std::size_t>(f) * joints + static_cast<std::size_t>(j);
-      observed[static_cast<std::size_t>(f)] = tracks.seen(f, j) && !contradicted[at];
+      observed[static_cast<std::size_t>(f)] = shown[at] && !contradicted[at];
     }
     const std::vector<JointState> of_joint = GapStates(observed, tracks.time_s, frame_s, max_gap_s);
     for (std::size_t f = 0; f < of_joint.size(); ++f) states[f * joints + static_cast<std::size_t>(j)] = of_joint[f];

@@ -149,6 +149,8 @@ FormatDriver C3dFormat() {
   d.ending = ".c3d";
   d.gives = EvidenceKind::kJointTracks;
   d.states_rate = true;
+  d.options = {"markers"};
+  d.check = CheckMarkers;
   d.open = C3dIn;
   d.to_clip = TracksAsOpened;
   return d;

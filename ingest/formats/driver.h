@@ -95,6 +95,9 @@ void AddFormat(const FormatDriver& driver);
 /// declaration refuses; kInconsistent where no joint is seen.
 Expected<IngestedClip> TracksAsOpened(const SourceFile& file);
 
+/// The rules of ingest.source.markers: a point, a joint and three numbers each; no point twice. Error kConfig.
+Status CheckMarkers(const SourceOptions& source);
+
 /// What the clips of a source contain: that of its format, plus depth views where they are declared beside keypoints.
 EvidenceKind EvidenceKindOf(const SourceOptions& source);
 

@@ -18,6 +18,21 @@ std::string UnitIn(std::string_view word) {
   return "";
 }
 
+Status CheckMarkers(const SourceOptions& source) {
+  for (std::size_t i = 0; i < source.markers.size(); ++i) {
+    const MarkerPlace& marker = source.markers[i];
+    const std::string where = "ingest.source.markers[" + std::to_string(i) + "]";
+    if (marker.point.empty() || marker.joint.empty() || marker.offset.size() != 3)
+      return Fail(ErrorCode::kConfig, "a marker has a point, a joint and an offset of three numbers", where,
+                  "e.g. {point: LKNE, joint: left_knee, offset: [0.055, 0, 0], spread: 0.012}");
+    for (std::size_t k = 0; k < i; ++k) {
+      if (source.markers[k].point != marker.point) continue;
+      return Fail(ErrorCode::kConfig, "the marker '" + marker.point + "' is listed twice", where, "remove one");
+    }
+  }
+  return {};
+}
+
 Expected<IngestedClip> TracksAsOpened(const SourceFile& file) {
   const SourceOptions& source = file.source;
   const Expected<RawFile> opened =

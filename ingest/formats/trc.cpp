@@ -78,6 +78,8 @@ FormatDriver TrcFormat() {
   d.ending = ".trc";
   d.gives = EvidenceKind::kJointTracks;
   d.states_rate = true;
+  d.options = {"markers"};
+  d.check = CheckMarkers;
   d.open = TrcIn;
   d.to_clip = TracksAsOpened;
   return d;

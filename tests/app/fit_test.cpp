@@ -8,6 +8,7 @@
 
 #include <cstdlib>
 
+#include "core/formats/c3d.h"
 #include "core/formats/npy.h"
 #include "core/motion/operations.h"
 #include "core/store/store.h"
@@ -413,6 +414,36 @@ TEST_F(FitVerbs, OutputsAreNotOverwrittenAndMissingInputIsRefused) {
   EXPECT_EQ(source.exit_code, 2);
   EXPECT_THAT(source.err, HasSubstr("did you mean"));
   EXPECT_FALSE(fs::exists(output()));
+}
+
+/// A walk of Plug-in Gait's 16 markers, whose program added joint centres, angles and moments as points.
+TEST_F(FitVerbs, MarkersOfAWalkAreExplainedWithConstantBones) {
+  WriteText(folder_ / "vicon.yaml",
+            "include: markers/plug_in_gait.yaml\ningest:\n  source: {name: vicon, format: c3d, files: "
+            "\"{recording}.c3d\", person: one, label: \"\", units: mm, axes: \"+x -z +y\"}\n");
+  const Result fitted = Fit(data_ / "c3d_trc/PiG_Motion3_FF.c3d",
+                            {"--source", (folder_ / "vicon.yaml").string(), "--skeleton", "smpl24"});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  const Dataset dataset = Fitted();
+  ASSERT_EQ(dataset.clips.size(), 1u);
+  const Clip& clip = dataset.clips.front();
+  EXPECT_EQ(clip.motion->frame_count(), 293);
+  EXPECT_LT(clip.fit_rms, 0.006) << "metres, of the markers";
+  // Plug-in Gait's knees (LFEO) and ankles (LTIO) in the middle frame, in metres.
+  const auto c3d = ParseC3d(program::ReadText(data_ / "c3d_trc/PiG_Motion3_FF.c3d"), "walk");
+  ASSERT_TRUE(c3d) << c3d.error().Message();
+  for (const auto& [point, joint, most] : {std::tuple("LFEO", "left_knee", 0.02),
+                                           {"RFEO", "right_knee", 0.02},
+                                           {"LTIO", "left_ankle", 0.03},
+                                           {"RTIO", "right_ankle", 0.03}}) {
+    for (std::size_t p = 0; p < c3d->points.size(); ++p) {
+      if (c3d->points[p].label != point) continue;
+      const double* at = c3d->at(146, static_cast<int>(p));
+      const Vector3d centre(1e-3 * at[0], 1e-3 * at[2], -1e-3 * at[1]);
+      EXPECT_LT((Vector3d(clip.motion->joints.at(146, *clip.motion->skeleton->FindJoint(joint))) - centre).norm(), most)
+          << point;
+    }
+  }
 }
 
 }  // namespace

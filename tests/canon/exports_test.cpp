@@ -554,36 +554,89 @@ void CollectPlaces(const aiNode& node, const std::map<std::string, const aiNodeA
   for (unsigned i = 0; i < node.mNumChildren; ++i) CollectPlaces(*node.mChildren[i], channels, frame, global, places);
 }
 
-TEST(ExportedBvh, IsReadByAssimpInCentimetres) {
-  const Dataset dataset = SwingingSet("smpl24");
-  const ScratchFolder folder;
-  const Written written = WriteExport("bvh", dataset, folder.path());
-  const std::string text = ReadFile(folder.path() / written.files[0]).value();
+/// Places of all joints in some frames of a file, read by assimp, against a motion.
+void ExpectJointsByAssimp(const std::string& bytes, const char* ending, double metres, double ticks_hz,
+                          const Motion& motion) {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFileFromMemory(text.data(), text.size(), 0, "bvh");
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, ending);
   ASSERT_NE(scene, nullptr) << importer.GetErrorString();
   ASSERT_EQ(scene->mNumAnimations, 1u);
   const aiAnimation& animation = *scene->mAnimations[0];
-  EXPECT_NEAR(animation.mTicksPerSecond, 29.97, 1e-2);
+  EXPECT_NEAR(animation.mTicksPerSecond, ticks_hz, 1e-2);
   std::map<std::string, const aiNodeAnim*> channels;
   for (unsigned c = 0; c < animation.mNumChannels; ++c) {
     channels[animation.mChannels[c]->mNodeName.C_Str()] = animation.mChannels[c];
   }
-  const Motion& motion = *dataset.clips[0].motion;
   for (const int frame : {0, 17, motion.frame_count() - 1}) {
     std::map<std::string, Vector3d> places;
     CollectPlaces(*scene->mRootNode, channels, static_cast<unsigned>(frame), aiMatrix4x4(), places);
     for (int j = 0; j < motion.joint_count(); ++j) {
       const std::string& name = motion.skeleton->joints[j].name;
       ASSERT_EQ(places.count(name), 1u) << name;
-      EXPECT_LT((0.01 * places[name] - motion.joints.at(frame, j)).norm(), 1e-5) << name;
+      EXPECT_LT((metres * places[name] - motion.joints.at(frame, j)).norm(), 1e-5) << name;
     }
   }
+}
+
+TEST(ExportedBvh, IsReadByAssimpInCentimetres) {
+  const Dataset dataset = SwingingSet("smpl24");
+  const ScratchFolder folder;
+  const Written written = WriteExport("bvh", dataset, folder.path());
+  ExpectJointsByAssimp(ReadFile(folder.path() / written.files[0]).value(), "bvh", 0.01, 29.97,
+                       *dataset.clips[0].motion);
+}
+
+TEST(ExportedGlb, IsReadByAssimpWithBodyAndMotion) {
+  const Dataset dataset = SwingingSet("smpl24");
+  const ScratchFolder folder;
+  const Written written = WriteExport("glb", dataset, folder.path());
+  EXPECT_THAT(written.refused, IsEmpty());
+  const std::string bytes = ReadFile(folder.path() / written.files[0]).value();
+  ExpectJointsByAssimp(bytes, "glb", 1.0, 1000.0, *dataset.clips[0].motion);
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "glb");
+  ASSERT_NE(scene, nullptr);
+  ASSERT_EQ(scene->mNumMeshes, 1u);
+  const aiMesh& mesh = *scene->mMeshes[0];
+  EXPECT_GT(mesh.mNumFaces, 1000u);
+  EXPECT_GT(mesh.mNumBones, 15u) << "joints that carry a part of the body";
+  const aiNodeAnim& turn = *scene->mAnimations[0]->mChannels[3];
+  const double last_ms = 1000.0 * dataset.clips[0].motion->rate.FrameTime(dataset.clips[0].motion->frame_count() - 1);
+  EXPECT_NEAR(turn.mRotationKeys[turn.mNumRotationKeys - 1].mTime, last_ms, 0.1);
+}
+
+/// The parts of a .glb by its header, and the numbers that its JSON states of the buffer.
+TEST(ExportedGlb, IsSoundBinaryGltf) {
+  const Dataset dataset = SwingingSet("smpl24");
+  const ScratchFolder folder;
+  const Written written = WriteExport("glb", dataset, folder.path());
+  const std::string bytes = ReadFile(folder.path() / written.files[0]).value();
+  const auto word = [&bytes](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, &bytes[at], sizeof(value));
+    return value;
+  };
+  ASSERT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(word(4), 2u);
+  EXPECT_EQ(word(8), bytes.size());
+  ASSERT_EQ(bytes.substr(16, 4), "JSON");
+  const nlohmann::json json = nlohmann::json::parse(bytes.substr(20, word(12)));
+  const std::size_t length = json.at("buffers")[0].at("byteLength");
+  for (const nlohmann::json& accessor : json.at("accessors")) {
+    const nlohmann::json& view = json.at("bufferViews")[accessor.at("bufferView").get<std::size_t>()];
+    EXPECT_LE(view.value("byteOffset", std::size_t{0}) + view.at("byteLength").get<std::size_t>(), length);
+    EXPECT_EQ(view.value("byteOffset", std::size_t{0}) % 4, 0u);
+  }
+  EXPECT_EQ(json.at("skins")[0].at("joints").size(), 24u);
+  EXPECT_EQ(json.at("animations")[0].at("channels").size(), 25u) << "rotations, and the root's place";
+  EXPECT_TRUE(
+      json.at("accessors")[json.at("animations")[0].at("samplers")[0].at("input").get<std::size_t>()].contains("max"));
 }
 
 #else
 
 TEST(ExportedBvh, IsReadByAssimpInCentimetres) { GTEST_SKIP() << "built without libassimp-dev"; }
+TEST(ExportedGlb, IsReadByAssimpWithBodyAndMotion) { GTEST_SKIP() << "built without libassimp-dev"; }
 
 #endif
 
