@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/rotation.h"
 #include "core/motion/kinematics.h"
@@ -13,13 +14,14 @@ namespace {
 
 constexpr int kMostFrames = 240;        ///< of all clips; evenly spread
 constexpr int kMostRounds = 30;         ///< of poses and body in turn
+constexpr int kMostWorse = 3;           ///< rounds without a lower cost, after which they end
 constexpr double kSettled = 5e-4;       ///< m; a smaller change of every place and length ends the rounds
 constexpr double kSkin = 0.008;         ///< m per axis: markers move with the skin (Leardini et al., 2005: 5 to 20 mm)
 constexpr double kIndependent = 20.0;   ///< poses that frames of one person amount to: errors vary slowly
 constexpr double kLengthSpread = 0.06;  ///< of a bone, beside the person's scale (ANSUR: 4 to 6 %)
 constexpr double kSidesApart = 0.005;   ///< m between the lengths of both sides
 constexpr double kScaleSpread = 0.1;    ///< of people
-constexpr double kTurnSpread = 0.5;     ///< rad, of the turns that all frames of a joint share
+constexpr double kTurnSpread = 0.2;     ///< rad, of the turns that all frames of a joint share
 constexpr double kLeastSpread = 1e-3;   ///< m of a marker's place
 
 /// Unknowns: the scale; the length of each bone of the body, three numbers of each marker; a turn of each joint that is
@@ -39,7 +41,40 @@ struct Unknowns {
       if (!joint.landmark) count += 3;
     }
   }
+
+  /// Of a body, without turns.
+  Eigen::VectorXd Of(const MarkerBody& body) const {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(count);
+    values[0] = body.scale;
+    for (std::size_t j = 1; j < of_joint.size(); ++j) {
+      const Joint& joint = body.skeleton->joints[j];
+      if (joint.landmark)
+        values.segment<3>(of_joint[j]) = joint.rest_offset;
+      else
+        values[of_joint[j]] = body.bone_length[j];
+    }
+    return values;
+  }
 };
+
+/// Takes places, lengths and scale of a solution; returns the largest change, metres.
+double Take(const Eigen::VectorXd& solution, const Skeleton& rest, const Unknowns& unknowns, MarkerBody& body) {
+  auto own = std::make_shared<Skeleton>(rest);
+  double change = 0.0;
+  for (int j = 1; j < rest.joint_count(); ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    Joint& joint = own->joints[at];
+    const int i = unknowns.of_joint[at];
+    if (joint.landmark) joint.rest_offset = solution.segment<3>(i);
+    const double length = joint.landmark ? joint.rest_offset.norm() : std::max(0.0, solution[i]);
+    change = std::max({change, (joint.rest_offset - body.skeleton->joints[at].rest_offset).norm(),
+                       std::abs(length - body.bone_length[at])});
+    body.bone_length[at] = length;
+  }
+  body.skeleton = std::move(own);
+  body.scale = solution[0];
+  return change;
+}
 
 /// The normal equations of all priors.
 void AddPriors(const Skeleton& rest, const std::vector<double>& place_sigma, const Unknowns& unknowns,
@@ -167,10 +202,14 @@ Expected<MarkerBody> LearnMarkerBody(const std::vector<SkeletonTracks>& clips, c
   body.place_sigma = clips.front().place_sigma;
   for (const SkeletonTracks& clip : sampled) body.frames += clip.frames();
   const double weight = std::min(1.0, kIndependent / body.frames) / (kSkin * kSkin);
-  for (int round = 0; round < kMostRounds; ++round) {
+  MarkerBody best = body;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0, worse = 0; round < kMostRounds && worse < kMostWorse; ++round) {
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(unknowns.count, unknowns.count);
     Eigen::VectorXd b = Eigen::VectorXd::Zero(unknowns.count);
     AddPriors(*rest, clips.front().place_sigma, unknowns, a, b);
+    const Eigen::VectorXd present = unknowns.Of(body);
+    double cost = present.dot(a * present) - 2.0 * b.dot(present);  // and a constant
     for (const SkeletonTracks& clip : sampled) {
       const SkeletonTracks tracks = OnBody(clip, body.skeleton);
       const auto fit = FitJointTracks(tracks, FrameRate::FromHz(30.0), body.bone_length, quick);
@@ -181,34 +220,28 @@ Expected<MarkerBody> LearnMarkerBody(const std::vector<SkeletonTracks>& clips, c
         ForwardKinematics(*body.skeleton, fit->motion.root_translation[static_cast<std::size_t>(f)],
                           &fit->motion.rotation_at(f, 0), body.bone_length, joints.data(), turns.data());
         AddFrame(tracks, f, body.bone_length, unknowns, turns, weight, a, b);
+        for (int m = 0; m < clip.joints(); ++m) {
+          if (clip.seen(f, m))
+            cost += weight * (clip.positions.at(f, m) - joints[static_cast<std::size_t>(m)]).squaredNorm();
+        }
       }
     }
+    // Poses have priors that places do not know: rounds may drift away from the best.
+    worse = cost < least ? 0 : worse + 1;
     const Eigen::LDLT<Eigen::MatrixXd> solver(a);
-    const Eigen::VectorXd x = solver.solve(b);
-    auto own = std::make_shared<Skeleton>(*rest);
-    double change = 0.0;
-    for (int j = 1; j < rest->joint_count(); ++j) {
-      const auto at = static_cast<std::size_t>(j);
-      Joint& joint = own->joints[at];
-      const int i = unknowns.of_joint[at];
-      if (joint.landmark) joint.rest_offset = x.segment<3>(i);
-      const Vector3d moved = joint.rest_offset - body.skeleton->joints[at].rest_offset;
-      const double length = joint.landmark ? joint.rest_offset.norm() : std::max(0.0, x[i]);
-      change = std::max({change, joint.landmark ? moved.norm() : 0.0, std::abs(length - body.bone_length[at])});
-      body.bone_length[at] = length;
+    if (cost < least) {
+      least = cost;
+      best = body;
+      const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(unknowns.count, unknowns.count));
+      for (int j = 1; j < rest->joint_count(); ++j) {
+        const auto at = static_cast<std::size_t>(j);
+        if (rest->joints[at].landmark)
+          best.place_sigma[at] = std::sqrt(covariance.diagonal().segment<3>(unknowns.of_joint[at]).mean());
+      }
     }
-    body.skeleton = std::move(own);
-    body.scale = x[0];
-    if (change > kSettled && round + 1 < kMostRounds) continue;
-    const Eigen::MatrixXd covariance = solver.solve(Eigen::MatrixXd::Identity(unknowns.count, unknowns.count));
-    for (int j = 1; j < rest->joint_count(); ++j) {
-      const int i = unknowns.of_joint[static_cast<std::size_t>(j)];
-      if (!rest->joints[static_cast<std::size_t>(j)].landmark) continue;
-      body.place_sigma[static_cast<std::size_t>(j)] = std::sqrt(covariance.diagonal().segment<3>(i).mean());
-    }
-    break;
+    if (Take(solver.solve(b), *rest, unknowns, body) < kSettled) break;
   }
-  return body;
+  return best;
 }
 
 }  // namespace mocurate
