@@ -95,7 +95,7 @@ void TakePoints(const C3dFile& c3d, const LabelledPoints& points, RawClip& clip)
     }
   }
   clip.names = points.names;
-  clip.points = PointsOfBody(clip.names, nullptr);
+  FollowNames(clip);
 }
 
 Expected<RawFile> C3dIn(const FileBytes& file) {

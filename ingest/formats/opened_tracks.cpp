@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <limits>
+#include <set>
 
 #include "core/base/text.h"
 #include "core/formats/line_reader.h"
@@ -16,6 +18,24 @@ std::string UnitIn(std::string_view word) {
     if (SameWord(Trim(word), known)) return unit;
   }
   return "";
+}
+
+void FollowNames(RawClip& clip) {
+  std::string found;
+  int least = std::numeric_limits<int>::max();
+  for (const std::string& candidate : SkeletonNames()) {
+    const auto skeleton = KnownSkeleton(candidate);
+    if (!skeleton || (*skeleton)->joint_count() > least) continue;  // of equals smpl24, not humanact12
+    std::set<int> joints;
+    for (const std::string& name : clip.names) joints.insert((*skeleton)->FindJoint(name).value_or(-1));
+    if (joints.count(-1) > 0 || joints.size() != clip.names.size()) continue;
+    found = candidate;
+    least = (*skeleton)->joint_count();
+  }
+  if (found.empty())
+    clip.points = PointsOfBody(clip.names, nullptr);
+  else
+    FollowFormat(found, clip.names, "all points are joints of it", clip);
 }
 
 Status CheckMarkers(const SourceOptions& source) {

@@ -57,7 +57,7 @@ Expected<RawFile> TrcIn(const FileBytes& file) {
     }
   }
   clip.names = trc->names;
-  clip.points = PointsOfBody(clip.names, nullptr);
+  FollowNames(clip);
   if (const int skipped = clip.frames - trc->rows(); skipped > 0) {
     clip.remarks.push_back(MakeFinding("time_gap", Severity::kWarning, skipped,
                                        Counted(skipped, "frame") + " of those that Frame# counts have no row"));

@@ -154,6 +154,9 @@ Finding DecimalCommas();
 double RateByClock(const std::vector<PanopticBodies>& scenes);
 /// The unit that a file states by a word ("mm ", "Meters"), as declarations have it; empty where it is none of them.
 std::string UnitIn(std::string_view word);
+/// Follows the skeleton of configs/skeletons with the fewest joints of which every named point is a joint of its own;
+/// without one, the body is found by the names alone.
+void FollowNames(RawClip& clip);
 /// The joints of a file of `mocurate export`, as it names them.
 Expected<RawClip> ReadRawExported(const ExportedMotion& exported, const std::string& name);
 /// The table as exponential maps, where its numbers are such; nothing otherwise.

@@ -34,7 +34,7 @@ def main():
             size = ours["items"]
             ratios.setdefault("", []).append((ours["items_per_s"], 0, 0))
             for line in found:
-                by = line.get("by") or ("assimp" if line["name"].startswith("assimp_") else None)
+                by = line.get("by") or {"assimp": "assimp", "copy": "a copy in memory"}.get(line["name"].split("_")[0])
                 if by:
                     ratios.setdefault(by, []).append((ours["items_per_s"], line["items_per_s"], ours["items_per_s"] / line["items_per_s"]))
         for by, rows in ratios.items():

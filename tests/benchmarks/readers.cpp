@@ -2,6 +2,7 @@
 // others synthetic. bench_readers FOLDER SET|all [REPEATS]: reads every file of a set from memory; one JSON line per
 // set. bench_readers FOLDER SET memory: reads every file of a set from the disk, one at a time; one JSON line with the
 // peak memory. readers.py reads the same folders with NumPy and Python; compare_readers.py runs both.
+#include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -16,6 +17,7 @@
 #include "core/formats/array_fields.h"
 #include "core/formats/babel.h"
 #include "core/formats/bvh.h"
+#include "core/formats/c3d.h"
 #include "core/formats/expmap_table.h"
 #include "core/formats/humanact12_pickle.h"
 #include "core/formats/joint_table.h"
@@ -25,6 +27,7 @@
 #include "core/formats/opensim_table.h"
 #include "core/formats/phspd_text.h"
 #include "core/formats/point_cloud.h"
+#include "core/formats/trc.h"
 #include "core/formats/vibe_pickle.h"
 #include "tests/benchmarks/json_line.h"
 #include "tests/support/cloud_writers.h"
@@ -65,6 +68,9 @@ const Set kSets[] = {
     {"phspd_pose", nullptr, ".txt", [](const std::string& bytes) { return ParsePhspdPose(bytes, "f").has_value(); }},
     {"opensim", "pose2sim", ".mot", [](const std::string& bytes) { return ParseOpenSimTable(bytes, "f").has_value(); }},
     {"bvh", "bvh/bandai1", ".bvh", [](const std::string& bytes) { return ParseBvh(bytes, "f").has_value(); }},
+    {"c3d_float", "c3d_trc", "mocap36.c3d", [](const std::string& bytes) { return ParseC3d(bytes, "f").has_value(); }},
+    {"c3d_integer", "c3d_trc", "Gait.c3d", [](const std::string& bytes) { return ParseC3d(bytes, "f").has_value(); }},
+    {"trc", "c3d_trc", ".trc", [](const std::string& bytes) { return ParseTrc(bytes, "f").has_value(); }},
     {"ntu_skeleton", "ntu", ".skeleton", [](const std::string& b) { return ParseNtuSkeleton(b, "f").has_value(); }},
     {"amc", "cmu/asf_amc", ".amc", [](const std::string& bytes) { return ParseAmc(bytes, {}, "f").has_value(); }},
     {"npy", nullptr, ".npy", [](const std::string& bytes) { return ParseNpy(bytes, "f").has_value(); }},
@@ -236,6 +242,16 @@ int Measure(const fs::path& folder, const Set& set, int repeats) {
       if (!set.read(bytes)) std::abort();
     }
   });
+  if (std::string(set.name) == "c3d_float") {
+    std::string copy;
+    benchmarks::Report("copy_c3d_float", megabytes, "MB", repeats, [&] {
+      for (const std::string& bytes : files) {
+        copy.resize(bytes.size());
+        std::memcpy(copy.data(), bytes.data(), bytes.size());
+        benchmark::DoNotOptimize(copy.data());
+      }
+    });
+  }
 #ifdef MOCURATE_ASSIMP
   const std::string name = set.name;
   if (name == "bvh" || name.substr(0, 3) == "ply") {

@@ -7,8 +7,10 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ[name] = "1"
 import io
 import json
+import math
 import pickle
 import statistics
+import struct
 import sys
 import time
 import numpy as np
@@ -55,6 +57,39 @@ def bvh_python(raw):
     count = int(next(lines).split(":")[1])
     float(next(lines).split(":")[1])
     return joints, np.array([[float(v) for v in next(lines).split()] for _ in range(count)])
+
+
+def c3d_python(raw):
+    """Points and residuals of an Intel file: a tuple a frame, as readers in pure Python do."""
+    points, analog, first, last = struct.unpack_from("<4H", raw, 2)
+    scale, = struct.unpack_from("<f", raw, 12)
+    start = (struct.unpack_from("<H", raw, 16)[0] - 1) * 512
+    kind, size = ("f", 4) if scale < 0 else ("h", 2)
+    frame = struct.Struct("<%d%s" % (4 * points + analog, kind))
+    places, residuals = [], []
+    for f in range(last - first + 1):
+        words = frame.unpack_from(raw, start + f * frame.size)
+        row, rest = [], []
+        for p in range(0, 4 * points, 4):
+            x, y, z, w = words[p:p + 4]
+            seen = w >= 0
+            row.append((x, y, z) if seen else (0.0, 0.0, 0.0))
+            rest.append((int(w) & 255) * abs(scale) if seen else -1.0)
+        places.append(row)
+        residuals.append(rest)
+    return places, residuals
+
+
+def trc_python(raw):
+    lines = raw.decode("latin1").splitlines()
+    names = [name for name in lines[3].split("\t")[2:] if name]
+    rows = []
+    for line in lines[5:]:
+        cells = line.split("\t")
+        if len(cells) > 2:
+            cells += [""] * (2 + 3 * len(names) - len(cells))
+            rows.append([float(cell) if cell.strip() else math.nan for cell in cells[2:2 + 3 * len(names)]])
+    return names, rows
 
 
 def ntu_python(raw):
@@ -112,6 +147,7 @@ TABLE = {"numpy.loadtxt": loadtxt}
 READERS = {"kard": TABLE, "florence3d": TABLE, "msr_action3d": TABLE, "phspd_pose": TABLE,
            "expmap": {"numpy.loadtxt": loadtxt_comma}, "opensim": {"numpy.loadtxt": opensim},
            "bvh": {"pure Python": bvh_python, "numpy.loadtxt (motion alone)": bvh_loadtxt},
+           "c3d_float": {"pure Python": c3d_python}, "trc": {"pure Python": trc_python},
            "ntu_skeleton": {"pure Python": ntu_python}, "amc": {"pure Python": amc_python},
            "npy": {"numpy.load": np_load}, "amass_npz": {"numpy.load": np_load_all},
            "humanact12_pickle": {"pickle.loads": pickle.loads}, "uestc_pickle": {"pickle.loads": pickle.loads},
