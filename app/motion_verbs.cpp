@@ -59,6 +59,7 @@ void AddExport(const CommandLine& line) {
       "Each folder contains source.yaml, with which mocurate can read it (docs/exports.md).\n\n"
       "Examples:\n  mocurate export walk.h5 -o walk.npz --as axis_angle\n"
       "  mocurate export walk.bvh -o walk.npz --as quaternion\n"
+      "  mocurate export walk.h5 -o walk.glb\n"
       "  mocurate export runs/kard/dataset.h5 -o arrays --as 6d_rows\n"
       "  mocurate export runs/kard/checkpoints/recogniser_1.h5 --layout extractor -o kard_extractor\n"
       "  mocurate export runs/kard/dataset.h5 -o blender --layout bvh\n"
