@@ -332,10 +332,13 @@ class C3dReader {
       stated.emplace_back("TRIAL:ACTUAL_END_FIELD", *end - *begin + 1);
       c3d_.first_frame = static_cast<int>(std::min<long long>(*begin, 1 << 30));
     }
-    if (const auto frames = NumberOf("POINT:LONG_FRAMES"); frames && *frames > 0.0 && *frames < 1e15)
-      stated.emplace_back("POINT:LONG_FRAMES", std::llround(*frames));
-    if (const auto frames = NumberOf("POINT:FRAMES"); frames && *frames > 0.0 && *frames != kMost16 && *frames < 1e15)
-      stated.emplace_back("POINT:FRAMES", std::llround(*frames));
+    for (const char* key : {"POINT:LONG_FRAMES", "POINT:FRAMES"}) {
+      const double frames = NumberOf(key).value_or(0.0);
+      if (frames == 0.0 || frames == kMost16) continue;
+      if (!(frames >= 1.0 && frames < 1e15) || frames != std::floor(frames))
+        return Bad("'" + FormatDouble(frames) + "' is no number of frames", key, kWriteAgain);
+      stated.emplace_back(key, std::llround(frames));
+    }
     if (stated.empty()) return Bad("nothing tells the number of frames", "header");
     const auto differs = std::find_if(stated.begin(), stated.end(),
                                       [&](const auto& other) { return other.second != stated.front().second; });

@@ -32,10 +32,24 @@ class TrcParser {
 
  private:
   /// The cells of a line; runs of blanks separate where the line of names has neither tabs nor commas.
-  std::vector<std::string_view> CellsOf(std::string_view line, char separator) const {
-    std::vector<std::string_view> cells = separator == ' ' ? SplitBlanks(line) : SplitText(line, separator);
-    for (std::string_view& cell : cells) cell = Trim(cell);
+  static std::vector<std::string_view> CellsOf(std::string_view line, char separator) {
+    std::vector<std::string_view> cells;
+    Split(line, separator, cells);
     return cells;
+  }
+  /// The same into a vector that keeps its memory from row to row.
+  static void Split(std::string_view line, char separator, std::vector<std::string_view>& cells) {
+    cells.clear();
+    if (separator == ' ') {
+      cells = SplitBlanks(line);
+      return;
+    }
+    for (std::size_t end = 0; end != std::string_view::npos; line.remove_prefix(std::min(line.size(), end + 1))) {
+      end = line.find(separator);
+      const std::string_view cell = line.substr(0, end);
+      cells.push_back(cell.empty() ? cell : Trim(cell));
+      if (end == std::string_view::npos) break;
+    }
   }
   static char SeparatorOf(std::string_view line) {
     return line.find('\t') != std::string_view::npos ? '\t' : line.find(',') != std::string_view::npos ? ',' : ' ';
@@ -112,8 +126,9 @@ class TrcParser {
   Status Rows() {
     const std::size_t markers = trc_.names.size();
     long long unnamed = 0;
+    std::vector<std::string_view> cells;
     for (std::string_view line = lines_.Next(); !line.empty(); line = lines_.Next()) {
-      const std::vector<std::string_view> cells = CellsOf(line, separator_);
+      Split(line, separator_, cells);
       const std::optional<long long> number = ParseInteger(cells[0]);
       const int last = trc_.frame_number.empty() ? std::numeric_limits<int>::min() : trc_.frame_number.back();
       if (!number || *number <= last || *number > 2147483647) {
@@ -169,9 +184,10 @@ class TrcParser {
 
   /// A cell; NaN where it is empty or says so, or, where that is reported, where it is no number.
   Expected<double> Number(const std::vector<std::string_view>& cells, std::size_t column) {
-    if (column >= cells.size() || cells[column].empty() || SameWord(cells[column], "nan")) return kHole;
+    if (column >= cells.size() || cells[column].empty()) return kHole;
     const std::optional<double> value = ParseDouble(cells[column]);
     if (value && std::abs(*value) <= kLargestCoordinate) return *value;
+    if (SameWord(cells[column], "nan")) return kHole;
     const std::string what = "column " + std::to_string(column + 1) + " has '" + Shown(cells[column]) +
                              (value ? "', beyond any coordinate" : "', not a number");
     if (!reports_)
