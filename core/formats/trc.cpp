@@ -1,5 +1,6 @@
 #include "core/formats/trc.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -127,7 +128,9 @@ class TrcParser {
     const std::size_t markers = trc_.names.size();
     long long unnamed = 0;
     std::vector<std::string_view> cells;
-    for (std::string_view line = lines_.Next(); !line.empty(); line = lines_.Next()) {
+    const std::size_t at_end = CellsAtTheEnd(markers);
+    for (std::string_view before = lines_.rest(), line = lines_.Next(); !line.empty();
+         before = lines_.rest(), line = lines_.Next()) {
       Split(line, separator_, cells);
       const std::optional<long long> number = ParseInteger(cells[0]);
       const int last = trc_.frame_number.empty() ? std::numeric_limits<int>::min() : trc_.frame_number.back();
@@ -141,6 +144,18 @@ class TrcParser {
                           "blanks alone cannot show a hole: write tabs");
       }
       trc_.frame_number.push_back(static_cast<int>(*number));
+      const std::size_t count = cells.size() + EmptyCellsAfter(line, before);
+      if (separator_ != ' ' &&
+          (count < 2 + 3 * markers ||
+           (count - 2) % 3 != at_end)) {  // which cell is missing is unknown: all behind it would be another marker's
+        const std::string what = "the row has " + std::to_string(count) + " cells, " + std::to_string(markers) +
+                                 " markers take " + std::to_string(2 + 3 * markers);
+        if (!reports_) return lines_.Bad(what, "write an empty cell for each number of a hole");
+        AddFinding("row_length", what);
+        trc_.time_s.push_back(kHole);
+        trc_.values.insert(trc_.values.end(), 3 * markers, kHole);
+        continue;
+      }
       const auto time = Number(cells, 1);
       if (!time) return Forward(time);
       trc_.time_s.push_back(*time);
@@ -162,6 +177,28 @@ class TrcParser {
           FindingAction::kExcluded));
     }
     return CheckCount();
+  }
+
+  /// Empty cells between the last one that is not, and the end of the line: `line` is trimmed, `before` the text from
+  /// it on.
+  std::size_t EmptyCellsAfter(std::string_view line, std::string_view before) const {
+    if (separator_ == ' ') return 0;
+    const auto end = static_cast<std::size_t>(line.data() + line.size() - before.data());
+    const std::string_view after = before.substr(end, before.find_first_of("\r\n", end) - end);
+    return static_cast<std::size_t>(std::count(after.begin(), after.end(), separator_));
+  }
+
+  /// Cells that rows have beyond whole markers: 1 where most end with a separator, else 0.
+  std::size_t CellsAtTheEnd(std::size_t markers) const {
+    long long votes[2] = {0, 0};
+    for (std::string_view rest = lines_.rest(); !rest.empty();) {
+      const std::size_t end = std::min(rest.size(), rest.find_first_of("\r\n"));
+      const auto cells = 1 + static_cast<std::size_t>(
+                                 std::count(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(end), separator_));
+      if (cells >= 2 + 3 * markers && (cells - 2) % 3 < 2) ++votes[(cells - 2) % 3];
+      rest.remove_prefix(std::min(rest.size(), end + 1));
+    }
+    return votes[1] > votes[0] ? 1 : 0;
   }
 
   Status Marker(const std::vector<std::string_view>& cells, std::size_t marker) {

@@ -25,12 +25,12 @@ struct TrcFile {
   int rows() const { return static_cast<int>(frame_number.size()); }
 };
 
-/// Tabs between cells, else commas, else blanks, by the line of names. An empty cell, or "NaN", is a hole; cells may be
-/// missing at the end of a row. Cells beyond the names are markers without a name: they are counted and left out. Names
-/// and rows count, not the header's numbers; where these differ there is a finding. Error kMalformed "name:line" for
-/// another first line, a header that is cut off, a name that is empty or twice, a row whose number does not rise, a
-/// word, a marker of one or two numbers (with DamagedRows::kReport a hole and a finding), a number beyond 1e12;
-/// kInconsistent where fewer rows follow than NumFrames announces (kReport: a finding).
+/// Tabs between cells, else commas, else blanks, by the line of names. An empty cell, or "NaN", is a hole. Cells beyond
+/// the names are markers without a name: they are counted and left out. Names and rows count, not the header's numbers;
+/// where these differ there is a finding. Error kMalformed "name:line" for another first line, a header that is cut
+/// off, a name that is empty or twice, a row whose number does not rise, or that has too few cells (kReport: all its
+/// markers are holes), a word, a marker of one or two numbers (with DamagedRows::kReport a hole and a finding), a
+/// number beyond 1e12; kInconsistent where fewer rows follow than NumFrames announces (kReport: a finding).
 Expected<TrcFile> ParseTrc(std::string_view bytes, const std::string& name,
                            DamagedRows damaged_rows = DamagedRows::kRefuse);
 

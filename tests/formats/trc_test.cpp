@@ -70,6 +70,14 @@ TEST(Trc, CountsThatDifferAreFindings) {
   const auto reported = ParseTrc(two, "a.trc", DamagedRows::kReport);
   EXPECT_THAT(codes(reported), ElementsAre("row_length", "not_a_number"));
   EXPECT_TRUE(std::isnan(reported->values[0]) && std::isnan(reported->values[6]));
+  const std::string shifted = Text(kNames, "1\t0\t1\t2\t3\t4\t5\t6\n2\t0.01\t1\t3\t4\t5\t6\n");
+  ExpectMalformed(ParseTrc(shifted, "a.trc"), "a.trc:8");
+  const std::string ends =
+      Text(kNames, "1\t0\t1\t2\t3\t4\t5\t6\t\n2\t0.01\t1\t2\t3\t4\t5\t6\t\n3\t0.02\t1\t3\t4\t5\t6\t\n", "3");
+  ExpectMalformed(ParseTrc(ends, "a.trc"), "a.trc:9");
+  const auto lost = ParseTrc(shifted, "a.trc", DamagedRows::kReport);
+  EXPECT_THAT(codes(lost), ElementsAre("row_length"));
+  EXPECT_TRUE(std::isnan(lost->values[6]) && std::isnan(lost->values[11])) << "no number goes to another marker";
 }
 
 TEST(Trc, WhatIsNoTrcIsRefused) {
@@ -77,7 +85,7 @@ TEST(Trc, WhatIsNoTrcIsRefused) {
   ExpectMalformed(ParseTrc("PathFileType\t4\n", "a.trc"), "a.trc:1");
   ExpectMalformed(ParseTrc(Text("Frame#\tTime\tA\t\t\tA\t\t", ""), "a.trc"), "a.trc:4");
   ExpectMalformed(ParseTrc(Text(kNames, ""), "a.trc"), "a.trc:6");
-  ExpectMalformed(ParseTrc(Text(kNames, "2\t0\t1\t2\t3\n1\t0\t1\t2\t3\n"), "a.trc"), "a.trc:8");
+  ExpectMalformed(ParseTrc(Text(kNames, "2\t0\t1\t2\t3\t4\t5\t6\n1\t0\t1\t2\t3\t4\t5\t6\n"), "a.trc"), "a.trc:8");
   ExpectMalformed(ParseTrc(Text("Frame# Time A B", "1 0 1 2 3\n"), "a.trc"), "a.trc:7");
 }
 
