@@ -226,6 +226,12 @@ void WriteSkeleton(const Proposal& proposal, DeclarationWriter& writer) {
         "skeleton", YamlQuoted(known),
         known.empty() ? "the files' own tree: its joints are those of no known skeleton" : skeleton.comment);
   }
+  if (driver.HasOption("markers")) {  // the files name their points
+    if (skeleton.value) return writer.Value("skeleton", YamlQuoted(*skeleton.value), skeleton.comment);
+    return writer.Unknown("skeleton",
+                          "that of which the points are joints; of markers that of their set (`include: "
+                          "markers/plug_in_gait.yaml` above `ingest`, or `markers` here: docs/formats.md)");
+  }
   if (!skeleton.value) {
     writer.Unknown("skeleton", skeleton.comment);
     writer.UnknownList("joints", "names in the order of the file, \"-\" for what is no joint");
