@@ -15,11 +15,14 @@ namespace {
 constexpr const char* kNotInPointNames = ":*,\t";
 constexpr double kMillimetres = 1000.0;
 
-/// Whether the clip has an observation behind a joint's place.
+/// Whether a joint's place is written: not where it was inferred nor, of tracks that were not fitted, in a gap between
+/// observations.
 bool IsShown(const Motion& motion, int frame, int joint) {
-  return motion.state.empty() ||
-         motion.state[static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count()) +
-                      static_cast<std::size_t>(joint)] != JointState::kInferred;
+  if (motion.state.empty()) return true;
+  const JointState state =
+      motion.state[static_cast<std::size_t>(frame) * static_cast<std::size_t>(motion.joint_count()) +
+                   static_cast<std::size_t>(joint)];
+  return state != JointState::kInferred && !(motion.joints_only() && state == JointState::kInterpolated);
 }
 
 Expected<std::string> C3dOfClip(const Clip& clip, const ExportSet&) {
