@@ -140,6 +140,19 @@ TEST(C3d, AFileThatIsCutOffKeepsItsWholeFramesWhereThatIsAskedFor) {
   EXPECT_EQ(read->findings[0].code, "cut_off");
 }
 
+TEST(C3d, ParametersMayStandBehindTheSamples) {
+  const C3dFile made = MadeFile(C3dProcessor::kSgi, true, 5, 40);
+  std::string bytes = *WriteC3d(made, "a.c3d");
+  const std::size_t samples = (static_cast<std::size_t>(static_cast<unsigned char>(bytes[17])) - 1) * 512;
+  const std::string parameters = bytes.substr(512, samples - 512);
+  std::fill(bytes.begin() + 512, bytes.begin() + static_cast<std::ptrdiff_t>(samples), '\x7f');
+  bytes[0] = static_cast<char>(bytes.size() / 512 + 1);
+  const auto read = ParseC3d(bytes + parameters, "a.c3d");
+  ASSERT_TRUE(read) << read.error().Message();
+  EXPECT_LE(LargestDifference(*read, made), 1e-4);
+  EXPECT_EQ(read->points[4].label, "P4");
+}
+
 TEST(C3d, RotationsAloneSaySo) {
   std::string bytes = SmallFile();
   bytes[2] = 0;
